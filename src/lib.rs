@@ -1,0 +1,10 @@
+//! joton: a progressive photon mapper that runs on the GPU.
+#![forbid(unsafe_code)]
+#![warn(missing_docs, unreachable_pub)]
+
+pub mod bands;
+pub mod error;
+pub mod film;
+pub mod scene;
+
+pub use error::{Error, Result};

@@ -1,0 +1,36 @@
+//! Lights beside emissive triangles: those that a surface cannot stand for.
+
+use crate::bands::Bands;
+use glam::DVec3;
+
+/// A light without a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// Shines the same in every direction.
+    Point {
+        /// World position.
+        position: DVec3,
+        /// Radiant intensity, W/sr per band. Flux is 4π times this.
+        intensity: Bands,
+    },
+    /// Shines into a cone: full intensity inside `cos_inner`, smoothly (cubic in the cosine) to none at `cos_outer`.
+    Spot {
+        /// World position.
+        position: DVec3,
+        /// Unit axis, away from the light.
+        direction: DVec3,
+        /// Radiant intensity on the axis, W/sr per band.
+        intensity: Bands,
+        /// Cosine of the angle from the axis up to which the intensity is full.
+        cos_inner: f64,
+        /// Cosine of the angle from the axis at which the intensity reaches zero.
+        cos_outer: f64,
+    },
+    /// Parallel light from far away.
+    Sun {
+        /// Unit direction in which the light travels.
+        direction: DVec3,
+        /// Irradiance on a surface that faces the sun, W/m² per band.
+        irradiance: Bands,
+    },
+}

@@ -1,0 +1,49 @@
+//! Materials: what happens to light at a surface.
+
+use crate::bands::{BLACK, Bands};
+
+/// A surface. An opaque one reflects `diffuse` + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
+/// but reflects and transmits by Fresnel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Name in the file.
+    pub name: String,
+    /// Lambertian reflectance per band.
+    pub diffuse: Bands,
+    /// Reflectance of the glossy lobe per band (normalised Phong about the mirror direction).
+    pub glossy: Bands,
+    /// Phong exponent of the glossy lobe.
+    pub glossy_exponent: f32,
+    /// Mirror reflectance per band.
+    pub specular: Bands,
+    /// Glass, water: the boundary of a transparent body.
+    pub dielectric: Option<Dielectric>,
+    /// Radiance emitted from the front, W/(m² sr) per band.
+    pub emission: Bands,
+}
+
+/// A smooth boundary between vacuum (outside, where the normal points) and a transparent body (inside).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dielectric {
+    /// Index of refraction inside over outside.
+    pub ior: f32,
+    /// Factor on what is reflected, per band.
+    pub reflection_tint: Bands,
+    /// Factor on what is transmitted at each crossing, per band.
+    pub transmission_tint: Bands,
+}
+
+impl Material {
+    /// A matte material that neither emits nor mirrors.
+    pub fn matte(name: impl Into<String>, diffuse: Bands) -> Self {
+        Self {
+            name: name.into(),
+            diffuse,
+            glossy: BLACK,
+            glossy_exponent: 0.0,
+            specular: BLACK,
+            dielectric: None,
+            emission: BLACK,
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Scene: what is to be rendered; validated, free of any backend, in the user's world units (f64).
+
+mod camera;
+mod light;
+mod material;
+
+pub use camera::Camera;
+pub use light::Light;
+pub use material::{Dielectric, Material};
+
+use glam::{DVec3, Vec3};
+
+/// A validated scene: every index is in range, every number finite, at least one light and one triangle.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Where the camera stands.
+    pub camera: Camera,
+    /// Image width and height, pixels.
+    pub size: [u32; 2],
+    /// All triangles of all meshes.
+    pub mesh: Mesh,
+    /// Materials, indexed by [`Triangle::material`].
+    pub materials: Vec<Material>,
+    /// Lights beside the emissive triangles.
+    pub lights: Vec<Light>,
+    /// What was repaired or ignored on the way in, one line each ("box.obj:14: …").
+    pub warnings: Vec<String>,
+}
+
+/// Triangles over shared vertices.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    /// Vertex positions, world units.
+    pub positions: Vec<DVec3>,
+    /// Unit shading normals.
+    pub normals: Vec<Vec3>,
+    /// Triangles.
+    pub triangles: Vec<Triangle>,
+}
+
+/// A triangle; its front is where its vertices run counter-clockwise.
+#[derive(Debug, Clone, Copy)]
+pub struct Triangle {
+    /// Indices into [`Mesh::positions`].
+    pub vertex: [u32; 3],
+    /// Indices into [`Mesh::normals`], or none for a flat triangle.
+    pub normal: Option<[u32; 3]>,
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+}
