@@ -3,8 +3,11 @@
 #![warn(missing_docs, unreachable_pub)]
 
 pub mod bands;
+pub mod bvh;
 pub mod error;
 pub mod film;
+pub mod pack;
+pub mod rng;
 pub mod scene;
 
 pub use error::{Error, Result};

@@ -1,0 +1,112 @@
+//! The bounding volume hierarchy: a compressed wide BVH (Ylitie et al. 2017), built by obvhs.
+//!
+//! The only file that names obvhs. Triangles are reordered to leaf order on the way, so that a leaf's
+//! primitive index is a triangle's index.
+
+use glam::{Vec3, Vec3A};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
+use obvhs::ray::{Ray, RayHit};
+use obvhs::{BvhBuildParams, triangle::Triangle};
+use std::time::Duration;
+
+/// Leaves hold at most this many triangles: the format has three bits for the count.
+const TRIANGLES_PER_LEAF: u32 = 3;
+
+/// Above this many triangles a cheaper build is used: set-up must not outlast the render.
+const FAST_BUILD_ABOVE: usize = 2_000_000;
+
+/// One node as the kernels read it: five `vec4<u32>`. Words: origin xyz and exponents with the inner mask;
+/// child base, triangle base, meta ×2; quantised bounds of x, y, z (min ×2, max ×2 each).
+pub type Node = [[u32; 4]; 5];
+
+/// A hierarchy over triangles; see [`Bvh::build`] for their order.
+#[derive(Debug, Clone)]
+pub struct Bvh {
+    wide: CwBvh,
+}
+
+/// Where a ray met a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Index of the triangle, leaf order.
+    pub triangle: u32,
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// Barycentric weight of the second vertex.
+    pub u: f32,
+    /// Barycentric weight of the third vertex.
+    pub v: f32,
+}
+
+/// Origin and edges of a triangle, as [`intersect_triangle`] wants them.
+pub trait Edges {
+    /// First vertex, and the edges from it to the second and third.
+    fn edges(&self) -> [Vec3; 3];
+}
+
+impl Bvh {
+    /// Build over `vertices`; also returns for each leaf slot the index of the triangle that belongs there.
+    pub fn build(vertices: &[[Vec3; 3]]) -> (Self, Vec<u32>) {
+        let triangles: Vec<Triangle> = vertices
+            .iter()
+            .map(|v| Triangle { v0: v[0].into(), v1: v[1].into(), v2: v[2].into() })
+            .collect();
+        let mut params = if triangles.len() > FAST_BUILD_ABOVE {
+            BvhBuildParams::fast_build()
+        } else {
+            BvhBuildParams::medium_build()
+        };
+        params.max_prims_per_leaf = TRIANGLES_PER_LEAF;
+        let mut wide = build_cwbvh_from_tris(&triangles, params, &mut Duration::default());
+        let order = std::mem::take(&mut wide.primitive_indices);
+        (Self { wide }, order)
+    }
+
+    /// The nodes in the layout of the kernels.
+    pub fn nodes(&self) -> Vec<Node> {
+        self.wide.nodes.iter().map(|n| bytemuck::cast::<_, Node>(*n)).collect()
+    }
+
+    /// The nearest triangle with distance in `(0, t_max)`.
+    pub fn closest<T: Edges>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> Option<Hit> {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
+        let (mut hit, mut uv) = (RayHit::none(), (0.0, 0.0));
+        let found = self.wide.ray_traverse(ray, &mut hit, |ray, id| {
+            match intersect_triangle(ray.origin, ray.direction, &triangles[id]) {
+                Some((t, u, v)) if t < ray.tmax => {
+                    uv = (u, v);
+                    t
+                }
+                _ => f32::INFINITY,
+            }
+        });
+        found.then_some(Hit { triangle: hit.primitive_id, t: hit.t, u: uv.0, v: uv.1 })
+    }
+
+    /// True where some triangle lies in `(0, t_max)`.
+    pub fn occluded<T: Edges>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
+        !self.wide.ray_traverse_miss(ray, |ray, id| {
+            intersect_triangle(ray.origin, ray.direction, &triangles[id]).map_or(f32::INFINITY, |h| h.0)
+        })
+    }
+}
+
+/// Barycentric slack: rays that meet an edge hit one triangle or the other, never neither.
+const EDGE_SLACK: f32 = 1e-6;
+
+/// Distance and barycentric weights where a ray meets a triangle from either side (Möller & Trumbore 1997).
+#[inline(always)]
+fn intersect_triangle<T: Edges>(origin: Vec3A, direction: Vec3A, triangle: &T) -> Option<(f32, f32, f32)> {
+    let [v0, e1, e2] = triangle.edges().map(Vec3A::from);
+    let p = direction.cross(e2);
+    let det = e1.dot(p);
+    let inv_det = 1.0 / det;
+    let s = origin - v0;
+    let u = s.dot(p) * inv_det;
+    let q = s.cross(e1);
+    let v = direction.dot(q) * inv_det;
+    let t = e2.dot(q) * inv_det;
+    (u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && t > 0.0 && det != 0.0)
+        .then_some((t, u, v))
+}

@@ -1,0 +1,177 @@
+//! Triangles and materials as plain arrays.
+
+use crate::bands::{BLACK, Bands, is_black};
+use crate::bvh::Edges;
+use crate::scene::{Material, Scene};
+use glam::Vec3;
+
+/// [`PackedTriangle::emitter`] of a triangle that emits nothing.
+pub const NO_EMITTER: u32 = u32::MAX;
+
+/// Bit of [`PackedTriangle::flags`]: the triangle has shading normals.
+pub const SMOOTH: u32 = 1;
+
+/// A triangle, 48 bytes; front where the vertices run counter-clockwise.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct PackedTriangle {
+    /// First vertex.
+    pub v0: Vec3,
+    /// Index of the material.
+    pub material: u32,
+    /// Second vertex minus first.
+    pub e1: Vec3,
+    /// [`SMOOTH`] or 0.
+    pub flags: u32,
+    /// Third vertex minus first.
+    pub e2: Vec3,
+    /// Index of the emitter, or [`NO_EMITTER`].
+    pub emitter: u32,
+}
+
+impl PackedTriangle {
+    /// Area in internal units.
+    pub fn area(&self) -> f32 {
+        0.5 * self.e1.as_dvec3().cross(self.e2.as_dvec3()).length() as f32
+    }
+
+    /// Unit geometric normal of the front.
+    pub fn normal(&self) -> Vec3 {
+        self.e1.cross(self.e2).normalize_or_zero()
+    }
+
+    /// The triangle with all corners.
+    pub fn vertices(&self) -> [Vec3; 3] {
+        [self.v0, self.v0 + self.e1, self.v0 + self.e2]
+    }
+}
+
+impl Edges for PackedTriangle {
+    #[inline(always)]
+    fn edges(&self) -> [Vec3; 3] {
+        [self.v0, self.e1, self.e2]
+    }
+}
+
+/// What a material can do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MaterialFlags(u32);
+
+impl MaterialFlags {
+    const DIFFUSE: u32 = 1;
+    const GLOSSY: u32 = 2;
+    const SPECULAR: u32 = 4;
+    const DIELECTRIC: u32 = 8;
+    const EMISSIVE: u32 = 16;
+
+    /// Light can be scattered into all directions here: a gather point, a place for jotons.
+    pub fn has_diffuse(self) -> bool {
+        self.0 & (Self::DIFFUSE | Self::GLOSSY) != 0
+    }
+    /// There is a glossy lobe.
+    pub fn has_glossy(self) -> bool {
+        self.0 & Self::GLOSSY != 0
+    }
+    /// A mirror or a dielectric: light can leave in a single direction.
+    pub fn has_delta(self) -> bool {
+        self.0 & (Self::SPECULAR | Self::DIELECTRIC) != 0
+    }
+    /// Light can pass through.
+    pub fn is_dielectric(self) -> bool {
+        self.0 & Self::DIELECTRIC != 0
+    }
+    /// The front emits.
+    pub fn is_emissive(self) -> bool {
+        self.0 & Self::EMISSIVE != 0
+    }
+}
+
+/// A material, 96 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct PackedMaterial {
+    /// Lambertian reflectance.
+    pub diffuse: Bands,
+    /// Bits of [`MaterialFlags`].
+    pub flag_bits: u32,
+    /// Mirror reflectance, or the dielectric's reflection tint.
+    pub specular: Bands,
+    /// Index of refraction inside over outside; 1 where opaque.
+    pub ior: f32,
+    /// Glossy reflectance.
+    pub glossy: Bands,
+    /// Phong exponent of the glossy lobe.
+    pub glossy_exponent: f32,
+    /// Transmission tint of a dielectric; black where opaque.
+    pub transmission: Bands,
+    /// Padding.
+    pub pad0: u32,
+    /// Radiance emitted from the front, W/(m² sr).
+    pub emission: Bands,
+    /// Padding.
+    pub pad1: u32,
+}
+
+impl PackedMaterial {
+    /// Pack a material.
+    pub fn new(m: &Material) -> Self {
+        let mut bits = 0;
+        let mut set = |on: bool, bit: u32| bits |= if on { bit } else { 0 };
+        set(m.dielectric.is_some(), MaterialFlags::DIELECTRIC);
+        let opaque = m.dielectric.is_none();
+        set(opaque && !is_black(&m.diffuse), MaterialFlags::DIFFUSE);
+        set(opaque && !is_black(&m.glossy), MaterialFlags::GLOSSY);
+        set(opaque && !is_black(&m.specular), MaterialFlags::SPECULAR);
+        set(!is_black(&m.emission), MaterialFlags::EMISSIVE);
+        let d = m.dielectric;
+        Self {
+            diffuse: if opaque { m.diffuse } else { BLACK },
+            flag_bits: bits,
+            specular: d.map_or(m.specular, |d| d.reflection_tint),
+            ior: d.map_or(1.0, |d| d.ior),
+            glossy: if opaque { m.glossy } else { BLACK },
+            glossy_exponent: m.glossy_exponent,
+            transmission: d.map_or(BLACK, |d| d.transmission_tint),
+            pad0: 0,
+            emission: m.emission,
+            pad1: 0,
+        }
+    }
+
+    /// What the material can do.
+    pub fn flags(&self) -> MaterialFlags {
+        MaterialFlags(self.flag_bits)
+    }
+}
+
+/// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
+/// `emitter` holds 0 where the material emits.
+pub(super) fn pack(
+    scene: &Scene,
+    vertices: &[[Vec3; 3]],
+    order: &[u32],
+) -> (Vec<PackedTriangle>, Vec<[Vec3; 3]>) {
+    let any_smooth = scene.mesh.triangles.iter().any(|t| t.normal.is_some());
+    let mut triangles = Vec::with_capacity(order.len());
+    let mut normals = Vec::with_capacity(if any_smooth { order.len() } else { 0 });
+    for &i in order {
+        let t = &scene.mesh.triangles[i as usize];
+        let [a, b, c] = vertices[i as usize];
+        let packed = PackedTriangle {
+            v0: a,
+            material: t.material,
+            e1: b - a,
+            flags: if t.normal.is_some() { SMOOTH } else { 0 },
+            e2: c - a,
+            emitter: NO_EMITTER,
+        };
+        triangles.push(packed);
+        if any_smooth {
+            normals.push(match t.normal {
+                Some(n) => n.map(|n| scene.mesh.normals[n as usize]),
+                None => [packed.normal(); 3],
+            });
+        }
+    }
+    (triangles, normals)
+}
