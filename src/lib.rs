@@ -2,11 +2,14 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs, unreachable_pub)]
 
+pub mod backend;
 pub mod bands;
 pub mod bvh;
 pub mod error;
 pub mod film;
 pub mod pack;
+pub mod paths;
+pub mod plan;
 pub mod rng;
 pub mod scene;
 

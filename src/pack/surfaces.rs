@@ -1,6 +1,6 @@
 //! Triangles and materials as plain arrays.
 
-use crate::bands::{BLACK, Bands, is_black};
+use crate::bands::{BLACK, Bands, add, is_black};
 use crate::bvh::Edges;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
@@ -53,6 +53,9 @@ impl Edges for PackedTriangle {
     }
 }
 
+/// Glossy lobes sharper than this Phong exponent are S events: sampled like mirrors, never looked up in a map.
+const SHARP_EXPONENT: f32 = 300.0;
+
 /// What a material can do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialFlags(u32);
@@ -104,8 +107,8 @@ pub struct PackedMaterial {
     pub glossy_exponent: f32,
     /// Transmission tint of a dielectric; black where opaque.
     pub transmission: Bands,
-    /// Padding.
-    pub pad0: u32,
+    /// Phong exponent about the mirror direction of what `specular` reflects; 0 is a perfect mirror.
+    pub specular_exponent: f32,
     /// Radiance emitted from the front, W/(m² sr).
     pub emission: Bands,
     /// Padding.
@@ -119,20 +122,23 @@ impl PackedMaterial {
         let mut set = |on: bool, bit: u32| bits |= if on { bit } else { 0 };
         set(m.dielectric.is_some(), MaterialFlags::DIELECTRIC);
         let opaque = m.dielectric.is_none();
+        let sharp = m.glossy_exponent > SHARP_EXPONENT;
+        let (glossy, specular) =
+            if sharp { (BLACK, add(&m.specular, &m.glossy)) } else { (m.glossy, m.specular) };
         set(opaque && !is_black(&m.diffuse), MaterialFlags::DIFFUSE);
-        set(opaque && !is_black(&m.glossy), MaterialFlags::GLOSSY);
-        set(opaque && !is_black(&m.specular), MaterialFlags::SPECULAR);
+        set(opaque && !is_black(&glossy), MaterialFlags::GLOSSY);
+        set(opaque && !is_black(&specular), MaterialFlags::SPECULAR);
         set(!is_black(&m.emission), MaterialFlags::EMISSIVE);
         let d = m.dielectric;
         Self {
             diffuse: if opaque { m.diffuse } else { BLACK },
             flag_bits: bits,
-            specular: d.map_or(m.specular, |d| d.reflection_tint),
+            specular: d.map_or(specular, |d| d.reflection_tint),
             ior: d.map_or(1.0, |d| d.ior),
-            glossy: if opaque { m.glossy } else { BLACK },
+            glossy: if opaque { glossy } else { BLACK },
             glossy_exponent: m.glossy_exponent,
             transmission: d.map_or(BLACK, |d| d.transmission_tint),
-            pad0: 0,
+            specular_exponent: if sharp && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
             pad1: 0,
         }

@@ -1,0 +1,181 @@
+//! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
+
+mod pilot;
+mod radius;
+
+pub use pilot::Pilot;
+pub use radius::{Schedule, shrink};
+
+use crate::film::{LAYERS, Layer};
+use crate::pack::PackedScene;
+use crate::paths::LightPaths;
+
+/// What the user asked for, as far as it changes the plan.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Seed of every random number.
+    pub seed: u32,
+    /// The light paths to render.
+    pub paths: LightPaths,
+    /// Shadow rays per gather point and pass.
+    pub shadow_rays: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: 1 }
+    }
+}
+
+/// What is done in each pass, and how large everything is. Lengths are in internal units.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What was asked for.
+    pub settings: Settings,
+    /// What was found by looking at the scene through the camera.
+    pub pilot: Pilot,
+    /// Which of [`Layer::ALL`] is traced.
+    pub layers: [bool; LAYERS],
+    /// What the kernels must be able to do.
+    pub features: Features,
+    /// Jotons emitted a pass for the caustic map; 0 where it is skipped.
+    pub caustic_jotons: u32,
+    /// Jotons emitted a pass for the diffuse map; 0 where it is skipped.
+    pub diffuse_jotons: u32,
+    /// Radius of the caustic map: the largest that a gather point may use in the first pass.
+    pub caustic: Schedule,
+    /// Radius of the diffuse map.
+    pub diffuse: Schedule,
+    /// What is not done, and why.
+    pub skipped: Vec<Skip>,
+}
+
+/// What the kernels must be able to do for this scene; the rest is compiled out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Features {
+    /// Some triangle has shading normals.
+    pub smooth_normals: bool,
+    /// Some surface mirrors.
+    pub specular: bool,
+    /// Some surface is a dielectric.
+    pub dielectric: bool,
+    /// Some surface has a glossy lobe.
+    pub glossy: bool,
+    /// Some emitter is not a triangle.
+    pub delta_lights: bool,
+    /// Only some light paths are wanted.
+    pub path_filter: bool,
+}
+
+/// Something that is not done.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Skip {
+    /// What is left out.
+    pub what: &'static str,
+    /// Why that changes nothing in the image.
+    pub why: &'static str,
+}
+
+/// A gather point's caustic radius lies between these multiples of its pixel's footprint …
+pub const CAUSTIC_FOOTPRINTS: [f32; 2] = [0.7, 4.0];
+/// … and is chosen so that about this many jotons are found in the pilot pass.
+pub const CAUSTIC_WANTED: f32 = 15.0;
+/// α of the caustic map's radius: it must shrink, its light is sharp.
+const CAUSTIC_ALPHA: f64 = 0.75;
+/// α of the diffuse map's radius: boundary-corrected and smooth, it needs little.
+const DIFFUSE_ALPHA: f64 = 0.9;
+/// Base radius of the diffuse map over the square root of the diffuse area, at [`DIFFUSE_REFERENCE_JOTONS`] a pass.
+const DIFFUSE_RADIUS: f64 = 0.025;
+/// See [`DIFFUSE_RADIUS`].
+const DIFFUSE_REFERENCE_JOTONS: f64 = 65_536.0;
+/// The diffuse radius is at most this part of the image's width, and at least this many footprints.
+const DIFFUSE_LIMITS: [f64; 2] = [2.0, 0.08];
+/// Jotons a pass and map: between these, and about as many as pixels.
+const JOTONS: [u32; 2] = [1 << 14, 1 << 20];
+
+impl Plan {
+    /// Decide what a scene needs.
+    pub fn new(scene: &PackedScene, settings: Settings) -> Self {
+        let pilot = Pilot::look(scene);
+        let has = |f: &dyn Fn(crate::pack::MaterialFlags) -> bool| {
+            scene.triangles.iter().any(|t| f(scene.materials[t.material as usize].flags()))
+        };
+        let features = Features {
+            smooth_normals: !scene.shading_normals.is_empty(),
+            specular: has(&|m| m.has_delta() && !m.is_dielectric()),
+            dielectric: has(&|m| m.is_dielectric()),
+            glossy: has(&|m| m.has_glossy()),
+            delta_lights: scene.emitters.iter().any(|e| e.kind != 0),
+            path_filter: !settings.paths.is_everything(),
+        };
+        let wanted = settings.paths.layers();
+        let mut skipped = Vec::new();
+        let mut layers = [true; LAYERS];
+        let mut skip = |layer: Layer, what, why| {
+            if layers[layer as usize] {
+                layers[layer as usize] = false;
+                skipped.push(Skip { what, why });
+            }
+        };
+        if !features.specular && !features.dielectric {
+            skip(Layer::Caustic, "caustic map", "no surface mirrors or refracts");
+        }
+        if !scene.emitters.iter().any(|e| e.kind == 0) {
+            skip(Layer::Emission, "emission", "no surface emits");
+        }
+        if scene.diffuse_area == 0.0 {
+            let why = "no surface is diffuse";
+            skip(Layer::Direct, "direct light", why);
+            skip(Layer::Caustic, "caustic map", why);
+            skip(Layer::Diffuse, "diffuse map", why);
+        }
+        let why = "--paths excludes it";
+        for (layer, what) in Layer::ALL.into_iter().zip(["emission", "direct light", "caustic map", "diffuse map"]) {
+            if !wanted[layer as usize] {
+                skip(layer, what, why);
+            }
+        }
+        for (on, what, why) in [
+            (features.specular, "mirrors", "no surface mirrors"),
+            (features.dielectric, "refraction", "no surface refracts"),
+            (features.glossy, "glossy lobes", "no surface is glossy"),
+            (features.smooth_normals, "shading normals", "every triangle is flat"),
+            (features.delta_lights, "point, spot and sun lights", "every light is a surface"),
+            (features.path_filter, "light path filter", "all light paths are wanted"),
+        ] {
+            if !on {
+                skipped.push(Skip { what, why });
+            }
+        }
+
+        let pixels = scene.pixels() as u32;
+        let jotons = |layer: Layer, n: u32| {
+            if layers[layer as usize] { n.clamp(JOTONS[0], JOTONS[1]) } else { 0 }
+        };
+        let diffuse_jotons = jotons(Layer::Diffuse, pixels / 4 * 3);
+        let caustic_jotons = jotons(Layer::Caustic, if pilot.aimed { pixels / 2 } else { pixels });
+        let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_jotons.max(1))).cbrt();
+        let footprint = f64::from(pilot.footprint_median);
+        let image_width = footprint * f64::from(scene.size[0]);
+        let diffuse = (DIFFUSE_RADIUS * scene.diffuse_area.sqrt() * per_joton)
+            .min(DIFFUSE_LIMITS[1] * image_width)
+            .max(DIFFUSE_LIMITS[0] * footprint);
+        let caustic = f64::from(CAUSTIC_FOOTPRINTS[1] * pilot.footprint_large);
+        Self {
+            settings,
+            layers,
+            features,
+            caustic_jotons,
+            diffuse_jotons,
+            caustic: Schedule { base: caustic, alpha: CAUSTIC_ALPHA },
+            diffuse: Schedule { base: diffuse, alpha: DIFFUSE_ALPHA },
+            skipped,
+            pilot,
+        }
+    }
+
+    /// True where a layer is traced.
+    pub fn traces(&self, layer: Layer) -> bool {
+        self.layers[layer as usize]
+    }
+}
