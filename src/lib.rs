@@ -7,6 +7,7 @@ pub mod bands;
 pub mod bvh;
 pub mod error;
 pub mod film;
+pub mod layout;
 pub mod pack;
 pub mod paths;
 pub mod plan;

@@ -1,0 +1,76 @@
+//! Area points: an even sample of the diffuse surfaces, each point standing for the same area. Discs that lose a part of
+//! themselves at edges and corners are measured with them.
+
+use super::PackedScene;
+use crate::rng;
+use glam::Vec3;
+
+/// A point on a diffuse surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AreaPoint {
+    /// Position, internal units.
+    pub position: Vec3,
+    /// Unit front normal of its triangle.
+    pub normal: Vec3,
+}
+
+/// Steps of the R2 lattice (Roberts 2018): inverse powers of the plastic number.
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+
+/// About `count` points and the area of each, internal units². Systematic along the cumulative area, so that a
+/// triangle's number of points is its area's share to within one; a shifted R2 lattice within a triangle.
+pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>, f32) {
+    let each = scene.diffuse_area / count.max(1) as f64;
+    let mut points = Vec::with_capacity(count + 1);
+    if each <= 0.0 {
+        return (points, 0.0);
+    }
+    let mut next = f64::from(rng::random4(seed, 0, u32::MAX, 0)[0]) * each;
+    let mut before = 0.0;
+    for (index, t) in scene.triangles.iter().enumerate() {
+        if !scene.materials[t.material as usize].flags().has_diffuse() {
+            continue;
+        }
+        let end = before + f64::from(t.area());
+        if next < end {
+            let normal = t.normal();
+            let shift = rng::random4(seed, 0, index as u32, 1);
+            let mut i = 0.0;
+            while next < end {
+                let x = (f64::from(shift[0]) + i * R2[0]).fract() as f32;
+                let y = (f64::from(shift[1]) + i * R2[1]).fract() as f32;
+                let [u, v] = square_to_triangle([x, y]);
+                points.push(AreaPoint { position: t.v0 + t.e1 * u + t.e2 * v, normal });
+                next += each;
+                i += 1.0;
+            }
+        }
+        before = end;
+    }
+    (points, each as f32)
+}
+
+/// The map of least distortion from the square to barycentric coordinates; keeps areas (Heitz 2019).
+fn square_to_triangle([x, y]: [f32; 2]) -> [f32; 2] {
+    if y > x { [0.5 * x, y - 0.5 * x] } else { [x - 0.5 * y, 0.5 * y] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both halves of the map keep areas: the first moments are those of the triangle.
+    #[test]
+    fn map_to_triangle_is_uniform() {
+        let n = 1000;
+        let mut sum = [0.0f64; 2];
+        for i in 0..n * n {
+            let p = square_to_triangle([(i % n) as f32 / n as f32, (i / n) as f32 / n as f32]);
+            assert!(p[0] >= 0.0 && p[1] >= 0.0 && p[0] + p[1] <= 1.0 + 1e-6);
+            sum = [sum[0] + f64::from(p[0]), sum[1] + f64::from(p[1])];
+        }
+        for s in sum {
+            assert!((s / f64::from(n * n) - 1.0 / 3.0).abs() < 1e-3);
+        }
+    }
+}
