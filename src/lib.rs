@@ -5,6 +5,7 @@
 pub mod bands;
 pub mod error;
 pub mod film;
+pub mod paths;
 pub mod scene;
 
 pub use error::{Error, Result};
