@@ -5,7 +5,9 @@
 pub mod bands;
 pub mod error;
 pub mod film;
+pub mod output;
 pub mod paths;
 pub mod scene;
+pub mod stats;
 
 pub use error::{Error, Result};
