@@ -3,7 +3,7 @@
 //! exposure (one factor for the image) → transform (per pixel) → sRGB. Only what looks at a picture uses this;
 //! no comparison does.
 
-use crate::bands::Bands;
+use crate::bands::{self, Bands};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use std::str::FromStr;
@@ -12,7 +12,7 @@ use std::str::FromStr;
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Where automatic exposure puts the brightest surfaces that are no lights, linear: white paper just below the top.
-const WHITE: f32 = 0.8;
+const WHITE: f32 = 0.9;
 /// The share of the lit surfaces that is at most [`WHITE`].
 const WHITE_SHARE: f64 = 0.95;
 /// The share of the pixels with any light that is at most as bright as the level which lights are told apart by.
@@ -125,9 +125,11 @@ fn percentile(sorted: &[f32], share: f64) -> f32 {
 }
 
 /// Bright surfaces to [`WHITE`]. Percentiles of what is lit: neither the size of a light nor that of a black
-/// background changes them, as an average would.
+/// background changes them, as an average would. Of the brightest band, not of luminance: a white wall in warm
+/// light would lose its red first, and turn yellow.
 fn auto_scale(image: &Image) -> f32 {
-    let mut lit: Vec<f32> = image.pixels.iter().filter_map(luminance).filter(|&l| l > 0.0).collect();
+    let brightest = image.pixels.iter().map(bands::max);
+    let mut lit: Vec<f32> = brightest.filter(|&l| l > 0.0 && l.is_finite()).collect();
     if lit.is_empty() {
         return 1.0;
     }

@@ -41,7 +41,13 @@ pub fn write_image(path: &Path, image: &Image, comment: &str) -> Result<()> {
 fn channels_of(prefix: &str, image: &Image) -> Vec<e::AnyChannel<e::FlatSamples>> {
     let channel = |(b, name): (usize, &&str)| {
         let samples = image.pixels.iter().map(|pixel| pixel[b]).collect();
-        e::AnyChannel::new(format!("{prefix}{name}").as_str(), e::FlatSamples::F32(samples))
+        e::AnyChannel {
+            name: format!("{prefix}{name}").as_str().into(),
+            sample_data: e::FlatSamples::F32(samples),
+            // A hint for lossy codecs; the default is guessed from the name and would differ between layers.
+            quantize_linearly: false,
+            sampling: e::Vec2(1, 1),
+        }
     };
     CHANNELS.iter().enumerate().map(channel).collect()
 }
