@@ -63,9 +63,11 @@ fn write(
     }
     // Text in EXR is bytes of no stated encoding; ASCII is what every reader shows alike.
     let text = |s: &str| e::Text::new_or_none(s.replace(|c: char| !c.is_ascii() || c == '\0', "?"));
-    let mut attributes = e::LayerAttributes::default();
-    attributes.software_name = text(concat!("joton ", env!("CARGO_PKG_VERSION")));
-    attributes.comments = if comment.is_empty() { None } else { text(comment) };
+    let attributes = e::LayerAttributes {
+        software_name: text(concat!("joton ", env!("CARGO_PKG_VERSION"))),
+        comments: if comment.is_empty() { None } else { text(comment) },
+        ..Default::default()
+    };
     let encoding = e::Encoding {
         // Lossless, and what all readers have. 16 rows together compress better than one.
         compression: e::Compression::ZIP16,
