@@ -7,11 +7,14 @@ pub mod bands;
 pub mod bvh;
 pub mod error;
 pub mod film;
+pub mod gpu;
 pub mod layout;
+pub mod output;
 pub mod pack;
 pub mod paths;
 pub mod plan;
 pub mod rng;
 pub mod scene;
+pub mod stats;
 
 pub use error::{Error, Result};

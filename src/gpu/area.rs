@@ -1,5 +1,6 @@
 //! The area points' grid: scattered on the host, sorted into the same kind of hashed grid as the jotons.
 
+use super::scene_buffers::encode_area_point;
 use crate::layout::AreaPoint;
 use crate::pack::{PackedScene, scatter_area_points};
 use glam::Vec3;
@@ -7,10 +8,10 @@ use glam::Vec3;
 /// Area points that fall into a whole disc.
 const POINTS_PER_DISC: f64 = 250.0;
 /// Most area points: memory and set-up time end somewhere; the fit only gets noisier.
-pub const AREA_POINTS_MAX: usize = 1 << 21;
+pub(super) const AREA_POINTS_MAX: usize = 1 << 21;
 
 /// Area points in bucket order with the table of their grid.
-pub struct AreaGrid {
+pub(super) struct AreaGrid {
     /// The points.
     pub points: Vec<AreaPoint>,
     /// First point of each bucket, and one entry more.
@@ -28,16 +29,16 @@ pub struct AreaGrid {
 /// Bits of a bucket's number.
 const KEY_BITS: u32 = 17;
 /// Entries of the bucket table.
-pub const AREA_STARTS: usize = (1 << KEY_BITS) + 2;
+pub(super) const AREA_STARTS: usize = (1 << KEY_BITS) + 2;
 
 /// How many points discs of this radius want.
-pub fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
+pub(super) fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
     let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
     ((POINTS_PER_DISC * discs) as usize).clamp(1, AREA_POINTS_MAX)
 }
 
 /// Scatter and sort points for discs of up to `radius`.
-pub fn build(scene: &PackedScene, radius: f64, seed: u32) -> AreaGrid {
+pub(super) fn build(scene: &PackedScene, radius: f64, seed: u32) -> AreaGrid {
     let (points, each) = scatter_area_points(scene, points_wanted(scene, radius), seed);
     let extent = scene.bounds[1] - scene.bounds[0];
     let cells_per_unit = (1.0 / radius as f32).min(30_000.0 / extent.max_element());
@@ -58,9 +59,9 @@ pub fn build(scene: &PackedScene, radius: f64, seed: u32) -> AreaGrid {
         starts[i] += starts[i - 1];
     }
     let mut next = starts.clone();
-    let mut sorted = points.clone();
+    let mut sorted = vec![AreaPoint { position: Vec3::ZERO, normal: 0 }; points.len()];
     for (p, &k) in points.iter().zip(&keys) {
-        sorted[next[k as usize] as usize] = *p;
+        sorted[next[k as usize] as usize] = encode_area_point(p);
         next[k as usize] += 1;
     }
     AreaGrid { points: sorted, starts, each, cells_per_unit, row_mask, columns }

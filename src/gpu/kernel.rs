@@ -202,7 +202,7 @@ fn reflect(module: &naga::Module) -> Vec<Binding> {
 }
 
 /// Offsets into the ring, by the names of the dynamic uniforms.
-pub type Offsets<'a> = &'a [(&'a str, u32)];
+pub(super) type Offsets<'a> = &'a [(&'a str, u32)];
 
 impl Step {
     /// Record a dispatch of at least `invocations`.

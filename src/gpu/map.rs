@@ -42,7 +42,7 @@ const COLUMNS_MAX: f32 = 30_000.0;
 
 /// Which of the two maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub(super) enum Kind {
     /// L S+ D.
     Caustic,
     /// Everything that met a D before.
@@ -51,7 +51,7 @@ pub enum Kind {
 
 /// How a map's emission is cut into lanes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shape {
+pub(super) struct Shape {
     /// Jotons emitted a pass.
     pub emitted: u32,
     /// Invocations that trace them.
@@ -63,7 +63,7 @@ pub struct Shape {
 }
 
 /// Pipelines that both maps share.
-pub struct MapKernels {
+pub(super) struct MapKernels {
     lane_counts: Kernel,
     scan_reduce: Kernel,
     scan_spine: Kernel,
@@ -80,7 +80,7 @@ impl MapKernels {
     ///
     /// # Errors
     /// [`Error::Device`] where a kernel does not compile.
-    pub fn new(context: &Context) -> Result<Self> {
+    pub(super) fn new(context: &Context) -> Result<Self> {
         let kernel = |path: &str, entry: &str| Kernel::new(context, path, entry, &[]);
         Ok(Self {
             lane_counts: kernel("lane_counts.wgsl", "main")?,
@@ -97,7 +97,7 @@ impl MapKernels {
 }
 
 /// One map: its buffers' names, sizes and the steps that fill it.
-pub struct Map {
+pub(super) struct Map {
     /// Which.
     pub kind: Kind,
     /// How it is cut into lanes.
@@ -121,7 +121,7 @@ struct Digit {
 }
 
 /// Buffers that a map needs, by name; the two maps take turns on all but the tallies.
-pub fn buffer_sizes(shapes: &[Shape], is_software: bool) -> Vec<(&'static str, u64)> {
+pub(super) fn buffer_sizes(shapes: &[Shape], is_software: bool) -> Vec<(&'static str, u64)> {
     let most = |f: &dyn Fn(&Shape) -> u64| shapes.iter().map(f).max().unwrap_or(1).max(1);
     let stored = most(&|s| s.max_stored());
     let histogram = most(&|s| u64::from(DIGITS * s.chunks(is_software)));
@@ -150,7 +150,7 @@ fn bucket_table(key_bits: u32) -> u64 {
 
 impl Shape {
     /// Most jotons that are stored in a pass.
-    pub fn max_stored(&self) -> u64 {
+    pub(super) fn max_stored(&self) -> u64 {
         u64::from(self.lanes) * u64::from(self.lane_capacity)
     }
 
@@ -173,7 +173,7 @@ impl Map {
     ///
     /// # Errors
     /// [`Error::Device`] where a buffer is missing.
-    pub fn new(
+    pub(super) fn new(
         context: &Context,
         kind: Kind,
         shape: Shape,
@@ -220,7 +220,7 @@ impl Map {
     }
 
     /// The uniform of a pass. `random_pass` addresses the random numbers, `pass` the radius.
-    pub fn info(&self, scene: &PackedScene, schedule: &Schedule, pass: u64, random_pass: u32) -> MapInfo {
+    pub(super) fn info(&self, scene: &PackedScene, schedule: &Schedule, pass: u64, random_pass: u32) -> MapInfo {
         let radius = schedule.radius(pass) as f32;
         let extent = scene.bounds[1] - scene.bounds[0];
         let cells_per_unit = (1.0 / radius).min(COLUMNS_MAX / extent.max_element());
@@ -251,7 +251,7 @@ impl Map {
     }
 
     /// Record tracing and sorting. The lanes must be cleared.
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, ring: &mut Ring, pass_info: u32, info: &MapInfo) {
+    pub(super) fn record(&self, pass: &mut wgpu::ComputePass<'_>, ring: &mut Ring, pass_info: u32, info: &MapInfo) {
         let map_info = ring.push(info);
         let at = [("pass_info", pass_info), ("map_info", map_info)];
         for _ in 0..self.shape.dispatches {
@@ -292,7 +292,7 @@ fn record_scan(pass: &mut wgpu::ComputePass<'_>, ring: &mut Ring, steps: &[Step;
 ///
 /// # Errors
 /// [`Error::Capacity`] naming the buffer.
-pub fn check_capacity(context: &Context, sizes: &[(&'static str, u64)]) -> Result<()> {
+pub(super) fn check_capacity(context: &Context, sizes: &[(&'static str, u64)]) -> Result<()> {
     let limit = context.limits.max_storage_buffer_binding_size.min(context.limits.max_buffer_size);
     for &(buffer, need) in sizes {
         if need > limit {
