@@ -93,7 +93,10 @@ pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Resul
                     out.faces.push(Face { line, material });
                 }
                 Err(fault) => {
-                    let remedy = format!("indices run from 1 to {} or from -1 backwards", all.positions);
+                    let remedy = match all.positions {
+                        0 => "the file has no v statements".to_owned(),
+                        last => format!("indices run from 1 to {last}, or backwards from -1"),
+                    };
                     return Err(Error::scene(path, Some(line), fault, remedy));
                 }
             },

@@ -7,7 +7,7 @@ use super::mtl::{self, RawMaterial};
 use super::warnings::Warnings;
 use super::{Mesh, Triangle, clean, polygon, text};
 use crate::{Error, Result};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -49,7 +49,9 @@ pub(crate) fn read(path: &Path, scale: f64, translate: DVec3, warnings: &mut War
     let normals: Vec<DVec3> = parsed.normals.as_chunks::<3>().0.iter().map(|&n| DVec3::from(n)).collect();
     let mut index_of: HashMap<Option<usize>, u32> = HashMap::new();
     let mut start = 0;
-    for (face, &arity) in clean.faces.iter().zip(&parsed.face_arities) {
+    // tobj leaves the arities out where all faces are triangles.
+    let arities = parsed.face_arities.iter().copied().chain(std::iter::repeat(3));
+    for (face, arity) in clean.faces.iter().zip(arities) {
         let end = start + arity as usize;
         let material = *index_of.entry(face.material).or_insert_with(|| {
             materials.push((face.material.map(|m| clean.materials[m].clone()), face.line));
@@ -164,7 +166,7 @@ impl Builder<'_> {
         }
         Some(std::array::from_fn(|i| {
             *self.normal_of.entry((indices[i], turned)).or_insert_with(|| {
-                self.mesh.normals.push(Vec3::from(units[i].as_vec3()));
+                self.mesh.normals.push(units[i].as_vec3());
                 self.mesh.normals.len() as u32 - 1
             })
         }))
