@@ -5,7 +5,7 @@
 //! 1. **Emission** is Ke, radiance in W/(m² sr), from the front. An emitter keeps its other properties.
 //! 2. **Glass** where illum is 4, 6, 7 or 9, or where illum is 5, 8 or 10 and the material says that it transmits
 //!    (d < 1, Kt > 0, or Tf < 1 in a band but not black). Index: Ni as given, 1.0 included; below 1 it is kept too
-//!    (a bubble); absent it is 1.5, with a warning. Tf, else Kt, multiplies what crosses the surface, at each
+//!    (a bubble); absent or 0 it is 1.5, with a warning. Tf, else Kt, multiplies what crosses the surface, at each
 //!    crossing (a body filters twice); black or absent means 1. Ks multiplies what reflects; black or absent
 //!    means 1. Kd is ignored.
 //! 3. **Mirror** where illum is 3, 5 or 8: specular = Ks, diffuse = Kd.
@@ -113,10 +113,11 @@ fn transmits_like_cutout(raw: &RawMaterial) -> bool {
 
 fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> Dielectric {
     let tint = |stated: Option<At<Bands>>| stated.map(|t| t.value).filter(|t| !bands::is_black(t));
-    let ior = raw.ni.map_or_else(
+    // Exporters that do not know the index write 0.
+    let ior = raw.ni.filter(|ni| ni.value != 0.0).map_or_else(
         || {
             if raw.kind.is_none() {
-                warn(None, "glass without Ni; 1.5 is used");
+                warn(None, "glass without an index of refraction (Ni); 1.5 is used");
             }
             DEFAULT_IOR
         },
@@ -189,7 +190,7 @@ fn check(raw: &RawMaterial) -> Result<()> {
     }
     match raw.ni {
         Some(At { value, line })
-            if !value.is_finite() || (is_glass(raw) && !IOR_ACCEPTED.contains(&value)) =>
+            if !value.is_finite() || (is_glass(raw) && value != 0.0 && !IOR_ACCEPTED.contains(&value)) =>
         {
             let what = format!("material \"{}\": index of refraction {value}", raw.name);
             Err(Error::scene(
