@@ -41,8 +41,21 @@ pub struct Report {
     pub non_finite: u64,
     /// Paths cut at the hard limit of their length.
     pub truncated: u64,
+    /// Seconds and dispatches of each kernel, where they were measured (--timings).
+    pub kernels: Vec<KernelTime>,
     /// What was repaired or ignored in the scene.
     pub warnings: Vec<String>,
+}
+
+/// What a kernel took.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KernelTime {
+    /// File and entry point.
+    pub name: String,
+    /// Seconds on the device.
+    pub seconds: f64,
+    /// Times it ran.
+    pub dispatches: u64,
 }
 
 /// Flux, W per band, of a mean pass, and how well it balances.
@@ -78,6 +91,8 @@ pub struct Circumstances {
     pub setup_seconds: f64,
     /// Processor seconds while rendering.
     pub cpu_seconds: f64,
+    /// What each kernel took.
+    pub kernels: Vec<KernelTime>,
     /// What was repaired or ignored in the scene.
     pub warnings: Vec<String>,
 }
@@ -121,6 +136,7 @@ impl Report {
             error_estimate: rendered.error_estimate,
             non_finite: t.non_finite,
             truncated: t.truncated,
+            kernels: around.kernels,
             warnings: around.warnings,
         }
     }

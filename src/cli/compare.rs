@@ -40,7 +40,10 @@ pub(super) fn run(a: &CompareArguments) -> Result<u8> {
     }
     if let Some(n) = a.regions {
         for row in compare::region_ratios(&image, &reference, n)?.chunks(n.max(1) as usize) {
-            let cells: Vec<String> = row.iter().map(|r| r.ratio.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join("/")).collect();
+            let cells: Vec<String> = row
+                .iter()
+                .map(|r| r.ratio.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join("/"))
+                .collect();
             say(cells.join("  "));
         }
     }

@@ -3,12 +3,13 @@
 use super::{DONE, INTERRUPTED, device};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use joton::backend::Backend;
 use joton::output::{display, exr, png};
 use joton::pack::PackedScene;
 use joton::paths::LightPaths;
 use joton::plan::{Plan, Settings};
 use joton::render::{Progress, Reason, Stop, render};
-use joton::report::{Circumstances, Report};
+use joton::report::{Circumstances, KernelTime, Report};
 use joton::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -60,6 +61,9 @@ pub(super) struct RenderArguments {
     /// Write what was done as JSON.
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
+    /// Measure what each kernel takes, for the report (a little slower).
+    #[arg(long)]
+    timings: bool,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -92,6 +96,9 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let plan = Plan::new(&packed, settings);
     let (mut backend, device) = device::open(&a.device, a.reference, &packed, &plan)?;
     say(&device);
+    if a.timings {
+        backend.measure_kernels();
+    }
 
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
@@ -125,12 +132,27 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         }
     }
     if let Some(path) = &a.report {
-        let around = Circumstances { device, setup_seconds, cpu_seconds, warnings: scene.warnings.clone() };
+        let around = Circumstances {
+            device,
+            setup_seconds,
+            cpu_seconds,
+            kernels: kernel_times(backend.as_ref()),
+            warnings: scene.warnings.clone(),
+        };
         let report = Report::new(&rendered, &packed, &plan, around);
         let text = serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e))?;
         std::fs::write(path, text + "\n").map_err(|e| Error::io(path, "write", e))?;
     }
     Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
+}
+
+/// What the backend measured, longest first.
+fn kernel_times(backend: &dyn Backend) -> Vec<KernelTime> {
+    let times = backend.kernel_seconds().into_iter();
+    let mut kernels: Vec<KernelTime> =
+        times.map(|(name, seconds, dispatches)| KernelTime { name, seconds, dispatches }).collect();
+    kernels.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    kernels
 }
 
 enum Kind {

@@ -4,12 +4,14 @@ mod area;
 mod context;
 mod kernel;
 mod map;
+mod recorder;
 mod ring;
 mod scene_buffers;
 mod shaders;
 
 pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
+pub use recorder::KernelSeconds;
 pub use shaders::{SOURCES, link, link_source};
 
 use crate::backend::{Backend, Batch, Tally};
@@ -20,6 +22,7 @@ use crate::layout::{Fit, GatherPoint, LaneTally, PassInfo, PathFilter, status};
 use crate::pack::PackedScene;
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
 use map::{Kind, Map, MapKernels, Shape};
+use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::sync::Arc;
 
@@ -50,6 +53,7 @@ pub struct GpuBackend {
     shapes: Shapes,
     area: Option<AreaState>,
     ring: Ring,
+    timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
 }
 
@@ -120,6 +124,7 @@ impl GpuBackend {
             shapes,
             area: None,
             ring,
+            timer: None,
             staging: None,
         };
         backend.shape_lanes()?;
@@ -246,28 +251,23 @@ impl GpuBackend {
         let Some((map, _)) = steps.maps.iter().find(|(m, _)| m.kind == kind) else {
             return Ok(vec![0; status::SLOTS as usize]);
         };
-        self.ring.clear();
-        let pass_info = self.ring.push(&self.pass_info(PILOT_PASS));
+        let pass = self.pass_info(PILOT_PASS);
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let pass_info = recorder.ring.push(&pass);
         let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
         let info = map.info(&self.scene, schedule, 0, PILOT_PASS);
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.clear_buffer(&self.buffers["lanes"], 0, None);
-        encoder.clear_buffer(&self.buffers["status"], 0, None);
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            map.record(&mut pass, &mut self.ring, pass_info, &info);
-            if let (true, Some([count, radius])) = (radii, &steps.pilot) {
-                let map_info = self.ring.push(&info);
-                let at = [("pass_info", pass_info), ("map_info", map_info)];
-                let pixels = self.scene.pixels() as u32;
-                steps.eye.dispatch(&mut pass, &at, pixels);
-                count.dispatch(&mut pass, &at, pixels);
-                radius.dispatch(&mut pass, &at, pixels);
-            }
+        recorder.clear(&self.buffers["lanes"]);
+        recorder.clear(&self.buffers["status"]);
+        map.record(&mut recorder, pass_info, &info);
+        if let (true, Some([count, radius])) = (radii, &steps.pilot) {
+            let map_info = recorder.ring.push(&info);
+            let at = [("pass_info", pass_info), ("map_info", map_info)];
+            let pixels = self.scene.pixels() as u32;
+            recorder.dispatch(&steps.eye, &at, pixels);
+            recorder.dispatch(count, &at, pixels);
+            recorder.dispatch(radius, &at, pixels);
         }
-        self.ring.write(&self.context, &self.buffers["ring"]);
-        self.context.queue.submit([encoder.finish()]);
+        recorder.submit(&self.context, &self.buffers["ring"]);
         let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
         Ok(bytemuck::pod_collect_to_vec(&words[0]))
     }
@@ -312,19 +312,15 @@ impl GpuBackend {
             self.renew_area_points(pass_number)?;
         }
         let pass_index = pass_number as u32;
-        self.ring.clear();
-        let pass_info = self.ring.push(&self.pass_info(pass_index));
+        let pass = self.pass_info(pass_index);
         let Some(steps) = &self.steps else { return Ok(()) };
         let pixels = self.scene.pixels() as u32;
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let at = [("pass_info", pass_info)];
-            steps.eye.dispatch(&mut pass, &at, pixels);
-            if let Some(direct) = &steps.direct {
-                direct.dispatch(&mut pass, &at, pixels);
-            }
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
+        let pass_info = recorder.ring.push(&pass);
+        let at = [("pass_info", pass_info)];
+        recorder.dispatch(&steps.eye, &at, pixels);
+        if let Some(direct) = &steps.direct {
+            recorder.dispatch(direct, &at, pixels);
         }
         for (map, gather) in &steps.maps {
             let schedule = if map.kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
@@ -335,18 +331,19 @@ impl GpuBackend {
                 info.area_row_mask = area.row_mask;
                 info.area_columns = area.columns;
             }
-            encoder.clear_buffer(&self.buffers["lanes"], 0, None);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            map.record(&mut pass, &mut self.ring, pass_info, &info);
-            let map_info = self.ring.push(&info);
+            recorder.clear(&self.buffers["lanes"]);
+            map.record(&mut recorder, pass_info, &info);
+            let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
             if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
-                boundary.dispatch(&mut pass, &at, pixels);
+                recorder.dispatch(boundary, &at, pixels);
             }
-            gather.dispatch(&mut pass, &at, pixels);
+            recorder.dispatch(gather, &at, pixels);
         }
-        self.ring.write(&self.context, &self.buffers["ring"]);
-        self.context.queue.submit([encoder.finish()]);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        if let Some(timer) = &mut self.timer {
+            timer.collect(&self.context, &mut self.staging)?;
+        }
         Ok(())
     }
 
@@ -388,6 +385,15 @@ impl GpuBackend {
 }
 
 impl Backend for GpuBackend {
+    fn measure_kernels(&mut self) {
+        self.timer = Timer::new(&self.context);
+    }
+
+    fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
+        let seconds = self.timer.as_ref().map(|t| t.seconds().clone()).unwrap_or_default();
+        seconds.into_iter().map(|(name, (seconds, dispatches))| (name, seconds, dispatches)).collect()
+    }
+
     fn describe(&self) -> String {
         let i = &self.context.info;
         let kind = if self.context.is_software() { "software" } else { "GPU" };
