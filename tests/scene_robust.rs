@@ -2,8 +2,8 @@
 
 use joton::scene::{self, Scene};
 
-/// Mutated files per kind: some seconds of an unoptimised build.
-const CASES: u64 = 2000;
+/// Mutated files per kind: a second or two on a quiet machine.
+const CASES: u64 = 1000;
 
 const OBJ: &str = "# ü\nmtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5 1 0 0\nv .5 .2 0\nvn 0 .6 .8\nvn 1 0 0\nusemtl m\n\
     f 1//1 2//1 3//2\nf -1 -2 -3\nf 1 2 4 3\nf 1/1/1 2/2/2 \\\n4/3/1 3/1/1 5\nusemtl l\nf 3 2 1\nl 1 2\np 1\n";
