@@ -38,10 +38,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             for (var i = bucket_starts[row + first]; i < end; i += 1u) {
                 let position = sorted_jotons[i].position;
                 let d = position - point.position;
-                let cell = cell_of(position, map_info.grid_origin, map_info.cells_per_unit);
-                if dot(d, d) < r * r && cell.y == y && cell.z == z
-                    && abs(dot(d, normal)) < GATHER_PLANE_SHARE * r
-                    && dot(decode_normal26(sorted_jotons[i].normal_state), normal) > GATHER_NORMAL_COS {
+                if dot(d, d) < r * r && abs(dot(d, normal)) < GATHER_PLANE_SHARE * r
+                    && dot(decode_normal24(sorted_jotons[i].normal_state), normal) > 127.0 * GATHER_NORMAL_COS {
                     count += 1.0;
                 }
             }

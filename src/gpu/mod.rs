@@ -18,7 +18,7 @@ use crate::backend::{Backend, Batch, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 use crate::film::{LAYERS, Layer};
-use crate::layout::{Fit, GatherPoint, LaneTally, PassInfo, PathFilter, status};
+use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, PathFilter, status};
 use crate::pack::PackedScene;
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
 use map::{Kind, Map, MapKernels, Shape};
@@ -63,7 +63,7 @@ struct Kernels {
     direct: Option<Kernel>,
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
-    boundary: Option<Kernel>,
+    boundary: [Option<Kernel>; 2],
     caustic_count: Option<Kernel>,
     caustic_radius: Option<Kernel>,
     map: Option<MapKernels>,
@@ -73,7 +73,7 @@ struct Kernels {
 struct Steps {
     eye: Step,
     direct: Option<Step>,
-    boundary: Option<Step>,
+    boundary: Option<[Step; 2]>,
     maps: Vec<(Map, Step)>,
     pilot: Option<[Step; 2]>,
 }
@@ -129,6 +129,7 @@ impl GpuBackend {
         };
         backend.shape_lanes()?;
         backend.choose_caustic_radii()?;
+        backend.find_edges()?;
         Ok(backend)
     }
 
@@ -180,6 +181,7 @@ impl GpuBackend {
             ("fits", pixels * size_of::<Fit>() as u64),
             ("radii", pixels * size_of::<Fit>() as u64),
             ("counts", pixels * 4),
+            ("edges", pixels * 4),
             ("status", u64::from(status::SLOTS) * 4),
             ("area_starts", area::AREA_STARTS as u64 * 4),
         ]);
@@ -220,7 +222,12 @@ impl GpuBackend {
         self.steps = Some(Steps {
             eye: kernels.eye.bind(context, buffers, &[])?,
             direct: optional(&kernels.direct, &[])?,
-            boundary: optional(&kernels.boundary, &[])?,
+            boundary: match &kernels.boundary {
+                [Some(pass), Some(pilot)] => {
+                    Some([pass.bind(context, buffers, &[])?, pilot.bind(context, buffers, &[])?])
+                }
+                _ => None,
+            },
             maps,
             pilot,
         });
@@ -245,6 +252,21 @@ impl GpuBackend {
         }
     }
 
+    /// The uniform of a map in a pass; zeros where the map is skipped.
+    fn map_info(&self, kind: Kind, pass: u64, random_pass: u32) -> MapInfo {
+        let found = self.steps.as_ref().and_then(|s| s.maps.iter().find(|(m, _)| m.kind == kind));
+        let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
+        let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
+        let mut info = map.info(&self.scene, schedule, pass, random_pass);
+        if let (Kind::Diffuse, Some(area)) = (kind, &self.area) {
+            info.area_each = area.each;
+            info.area_cells_per_unit = area.cells_per_unit;
+            info.area_row_mask = area.row_mask;
+            info.area_columns = area.columns;
+        }
+        info
+    }
+
     /// Fill one map from the pilot pass and, with `radii`, choose the caustic radii from it; the status words.
     fn pilot_map(&mut self, kind: Kind, radii: bool) -> Result<Vec<u32>> {
         let Some(steps) = &self.steps else { return Ok(vec![0; status::SLOTS as usize]) };
@@ -252,10 +274,9 @@ impl GpuBackend {
             return Ok(vec![0; status::SLOTS as usize]);
         };
         let pass = self.pass_info(PILOT_PASS);
+        let info = self.map_info(kind, 0, PILOT_PASS);
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let pass_info = recorder.ring.push(&pass);
-        let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
-        let info = map.info(&self.scene, schedule, 0, PILOT_PASS);
         recorder.clear(&self.buffers["lanes"]);
         recorder.clear(&self.buffers["status"]);
         map.record(&mut recorder, pass_info, &info);
@@ -306,6 +327,23 @@ impl GpuBackend {
         Ok(())
     }
 
+    /// Find the pixels whose discs are cut by edges, once, with the largest radius.
+    fn find_edges(&mut self) -> Result<()> {
+        if self.shapes.diffuse.is_none() {
+            return Ok(());
+        }
+        self.renew_area_points(0)?;
+        let pass = self.pass_info(PILOT_PASS);
+        let info = self.map_info(Kind::Diffuse, 0, PILOT_PASS);
+        let Some(Steps { eye, boundary: Some([_, pilot]), .. }) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
+        recorder.dispatch(eye, &at, self.scene.pixels() as u32);
+        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
     /// Record and submit one pass.
     fn submit_pass(&mut self, pass_number: u64) -> Result<()> {
         if self.shapes.diffuse.is_some() {
@@ -313,6 +351,7 @@ impl GpuBackend {
         }
         let pass_index = pass_number as u32;
         let pass = self.pass_info(pass_index);
+        let infos = [Kind::Caustic, Kind::Diffuse].map(|kind| self.map_info(kind, pass_number, pass_index));
         let Some(steps) = &self.steps else { return Ok(()) };
         let pixels = self.scene.pixels() as u32;
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
@@ -323,19 +362,12 @@ impl GpuBackend {
             recorder.dispatch(direct, &at, pixels);
         }
         for (map, gather) in &steps.maps {
-            let schedule = if map.kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
-            let mut info = map.info(&self.scene, schedule, pass_number, pass_index);
-            if let (Kind::Diffuse, Some(area)) = (map.kind, &self.area) {
-                info.area_each = area.each;
-                info.area_cells_per_unit = area.cells_per_unit;
-                info.area_row_mask = area.row_mask;
-                info.area_columns = area.columns;
-            }
+            let info = infos[map.kind as usize];
             recorder.clear(&self.buffers["lanes"]);
             map.record(&mut recorder, pass_info, &info);
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
-            if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
+            if let (Kind::Diffuse, Some([boundary, _])) = (map.kind, &steps.boundary) {
                 recorder.dispatch(boundary, &at, pixels);
             }
             recorder.dispatch(gather, &at, pixels);
@@ -511,7 +543,10 @@ impl Kernels {
                 optional(caustic, &|| with("gather.wgsl", true))?,
                 optional(diffuse, &|| with("gather.wgsl", false))?,
             ],
-            boundary: optional(diffuse, &|| compile("boundary.wgsl"))?,
+            boundary: [
+                optional(diffuse, &|| compile("boundary.wgsl"))?,
+                optional(diffuse, &|| Kernel::new(context, "boundary.wgsl", "main", &[("PILOT", 1.0)]))?,
+            ],
             caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
             caustic_radius: optional(caustic, &|| {
                 Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)
