@@ -136,10 +136,13 @@ gpu_struct! {
         pub shading_normal: u32,
         /// Direction toward the eye, octahedral.
         pub wo: u32,
-        /// Padding.
-        pub pad: u32,
+        /// [`PIXEL_GLINT`] or 0; stays from pass to pass.
+        pub pixel_flags: u32,
     }
 }
+
+/// Bit of [`GatherPoint::pixel_flags`]: emission in this pixel is the glint kernel's.
+pub const PIXEL_GLINT: u32 = 1;
 
 /// Bit of [`GatherPoint::surface`].
 pub const BACK_SIDE: u32 = 1 << 30;
@@ -267,6 +270,7 @@ pub fn constants() -> String {
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
     u("BACK_SIDE", BACK_SIDE);
+    u("PIXEL_GLINT", PIXEL_GLINT);
     u("STATUS_UNFINISHED", status::UNFINISHED);
     u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
     u("STATUS_NON_FINITE", status::NON_FINITE);
