@@ -5,10 +5,12 @@
 //! or in light years meets the same rounding). Radiance does not change under scaling; flux is in internal W:
 //! world flux = internal flux × `world_scale`².
 
+mod area_points;
 mod emitters;
 mod surfaces;
 mod targets;
 
+pub use area_points::{AreaPoint, scatter};
 pub use emitters::{EmitterKind, PackedEmitter};
 pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH};
 pub use targets::Target;
