@@ -47,10 +47,8 @@ pub trait Edges {
 impl Bvh {
     /// Build over `vertices`; also returns for each leaf slot the index of the triangle that belongs there.
     pub fn build(vertices: &[[Vec3; 3]]) -> (Self, Vec<u32>) {
-        let triangles: Vec<Triangle> = vertices
-            .iter()
-            .map(|v| Triangle { v0: v[0].into(), v1: v[1].into(), v2: v[2].into() })
-            .collect();
+        let triangles: Vec<Triangle> =
+            vertices.iter().map(|v| Triangle { v0: v[0].into(), v1: v[1].into(), v2: v[2].into() }).collect();
         let mut params = if triangles.len() > FAST_BUILD_ABOVE {
             BvhBuildParams::fast_build()
         } else {
@@ -68,7 +66,13 @@ impl Bvh {
     }
 
     /// The nearest triangle with distance in `(0, t_max)`.
-    pub fn closest<T: Edges>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> Option<Hit> {
+    pub fn closest<T: Edges>(
+        &self,
+        triangles: &[T],
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+    ) -> Option<Hit> {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
         let (mut hit, mut uv) = (RayHit::none(), (0.0, 0.0));
         let found = self.wide.ray_traverse(ray, &mut hit, |ray, id| {

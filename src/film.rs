@@ -112,9 +112,7 @@ impl Film {
         let image = |f: &dyn Fn(usize, usize) -> f64| Image {
             width: self.width,
             height: self.height,
-            pixels: (0..self.sums[0].len())
-                .map(|p| std::array::from_fn(|b| (f(p, b) / n) as f32))
-                .collect(),
+            pixels: (0..self.sums[0].len()).map(|p| std::array::from_fn(|b| (f(p, b) / n) as f32)).collect(),
         };
         Picture {
             whole: image(&|p, b| self.sums.iter().map(|s| s[p][b]).sum()),

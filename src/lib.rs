@@ -8,10 +8,14 @@ pub mod bvh;
 pub mod cpu;
 pub mod error;
 pub mod film;
+pub mod gpu;
+pub mod layout;
+pub mod output;
 pub mod pack;
 pub mod paths;
 pub mod plan;
 pub mod rng;
 pub mod scene;
+pub mod stats;
 
 pub use error::{Error, Result};

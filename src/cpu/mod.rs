@@ -25,7 +25,7 @@ use crate::backend::{Backend, Batch, Tally};
 use crate::bands::{BLACK, Bands};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
-use crate::pack::{PackedScene, scatter};
+use crate::pack::{PackedScene, scatter_area_points};
 use crate::plan::{Plan, shrink};
 use crate::rng::sequence_seed;
 use maps::{AreaMap, JotonMap};
@@ -82,7 +82,7 @@ impl CpuBackend {
         let radius = self.plan.diffuse.radius((group + 1) * PASSES_PER_SCATTER - 1);
         let count = AREA_POINTS_PER_DISC * self.scene.diffuse_area / (PI * radius * radius);
         let seed = sequence_seed(self.plan.settings.seed, group as u32, streams::STREAM_AREA);
-        let (points, area_each) = scatter(&self.scene, count.min(AREA_POINTS_MAX).ceil() as u32, seed);
+        let (points, area_each) = scatter_area_points(&self.scene, count.min(AREA_POINTS_MAX).ceil() as usize, seed);
         self.area = Some((group, AreaMap::new(&points, area_each)));
     }
 

@@ -1,86 +1,76 @@
-//! Area points: places scattered evenly over the diffuse surfaces, each standing for the same area.
-//!
-//! They measure how much surface lies within a radius, where a disc reaches over an edge or into a corner.
+//! Area points: an even sample of the diffuse surfaces, each point standing for the same area. Discs that lose a part of
+//! themselves at edges and corners are measured with them.
 
-use super::{PackedScene, PackedTriangle};
+use super::PackedScene;
+use crate::rng;
 use glam::Vec3;
 
-/// A place on a diffuse surface; stands for both of its sides.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+/// A point on a diffuse surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AreaPoint {
-    /// Internal units.
+    /// Position, internal units.
     pub position: Vec3,
-    /// Padding.
-    pub pad0: f32,
-    /// Unit geometric normal of the front.
+    /// Unit front normal of its triangle.
     pub normal: Vec3,
-    /// Padding.
-    pub pad1: f32,
 }
 
-/// 1/ρ and 1/ρ² with ρ³ = ρ + 1: the R2 sequence (Roberts 2018).
-const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
+/// Steps of the R2 lattice (Roberts 2018): inverse powers of the plastic number.
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
-/// About `count` area points over all triangles with a diffuse or glossy lobe, and the area that each stands for.
-///
-/// Systematic along the cumulative area in leaf order, so every region gets its share to within one point; in the
-/// triangle an R2 lattice shifted by `seed`.
-pub fn scatter(scene: &PackedScene, count: u32, seed: u32) -> (Vec<AreaPoint>, f32) {
-    let count = count.max(1);
-    let area_each = scene.diffuse_area / f64::from(count);
-    if area_each <= 0.0 {
-        return (Vec::new(), 0.0);
+/// About `count` points and the area of each, internal units². Systematic along the cumulative area, so that a
+/// triangle's number of points is its area's share to within one; a shifted R2 lattice within a triangle.
+pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>, f32) {
+    let each = scene.diffuse_area / count.max(1) as f64;
+    let mut points = Vec::with_capacity(count + 1);
+    if each <= 0.0 {
+        return (points, 0.0);
     }
-    let [start, x0, y0, _] = crate::rng::random4(seed, 0, 0, 0).map(f64::from);
-    let mut points = Vec::with_capacity(count as usize + 1);
-    let mut area_before = 0.0;
-    let diffuse = |t: &&PackedTriangle| scene.materials[t.material as usize].flags().has_diffuse();
-    for t in scene.triangles.iter().filter(diffuse) {
-        let area_after = area_before + f64::from(t.area());
-        let normal = t.normal();
-        while (points.len() as f64 + start) * area_each < area_after {
-            let i = points.len() as f64;
-            let [b, c] = to_triangle([(x0 + i * R2[0]).fract(), (y0 + i * R2[1]).fract()]);
-            let position = t.v0 + t.e1 * b + t.e2 * c;
-            points.push(AreaPoint { position, pad0: 0.0, normal, pad1: 0.0 });
+    let mut next = f64::from(rng::random4(seed, 0, u32::MAX, 0)[0]) * each;
+    let mut before = 0.0;
+    for (index, t) in scene.triangles.iter().enumerate() {
+        if !scene.materials[t.material as usize].flags().has_diffuse() {
+            continue;
         }
-        area_before = area_after;
+        let end = before + f64::from(t.area());
+        if next < end {
+            let normal = t.normal();
+            let shift = rng::random4(seed, 0, index as u32, 1);
+            let mut i = 0.0;
+            while next < end {
+                let x = (f64::from(shift[0]) + i * R2[0]).fract() as f32;
+                let y = (f64::from(shift[1]) + i * R2[1]).fract() as f32;
+                let [u, v] = square_to_triangle([x, y]);
+                points.push(AreaPoint { position: t.v0 + t.e1 * u + t.e2 * v, normal });
+                next += each;
+                i += 1.0;
+            }
+        }
+        before = end;
     }
-    (points, area_each as f32)
+    (points, each as f32)
 }
 
-/// The unit square to barycentric weights, area-preserving and with little distortion (Heitz 2019).
-fn to_triangle([mut x, mut y]: [f64; 2]) -> [f32; 2] {
-    if y > x {
-        x *= 0.5;
-        y -= x;
-    } else {
-        y *= 0.5;
-        x -= y;
-    }
-    [x as f32, y as f32]
+/// The map of least distortion from the square to barycentric coordinates; keeps areas (Heitz 2019).
+fn square_to_triangle([x, y]: [f32; 2]) -> [f32; 2] {
+    if y > x { [0.5 * x, y - 0.5 * x] } else { [x - 0.5 * y, 0.5 * y] }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Uniform over the triangle: E[b] = 1/3, E[b²] = 1/6, E[b c] = 1/12.
+    /// Both halves of the map keep areas: the first moments are those of the triangle.
     #[test]
-    fn lattice_covers_a_triangle_evenly() {
-        let n = 10_000;
-        let mut moments = [0.0f64; 5];
-        for i in 0..n {
-            let i = f64::from(i);
-            let [b, c] = to_triangle([(i * R2[0]).fract(), (i * R2[1]).fract()]).map(f64::from);
-            assert!(b >= 0.0 && c >= 0.0 && b + c <= 1.0 + 1e-6);
-            for (m, x) in moments.iter_mut().zip([b, c, b * b, c * c, b * c]) {
-                *m += x / f64::from(n);
-            }
+    fn map_to_triangle_is_uniform() {
+        let n = 1000;
+        let mut sum = [0.0f64; 2];
+        for i in 0..n * n {
+            let p = square_to_triangle([(i % n) as f32 / n as f32, (i / n) as f32 / n as f32]);
+            assert!(p[0] >= 0.0 && p[1] >= 0.0 && p[0] + p[1] <= 1.0 + 1e-6);
+            sum = [sum[0] + f64::from(p[0]), sum[1] + f64::from(p[1])];
         }
-        for (got, want) in moments.iter().zip([1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 12.0]) {
-            assert!((got - want).abs() < 1e-3, "{got} {want}");
+        for s in sum {
+            assert!((s / f64::from(n * n) - 1.0 / 3.0).abs() < 1e-3);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::surfaces::{NO_EMITTER, PackedTriangle};
 use crate::bands::{Bands, is_black, scale, sum};
+use crate::layout::gpu_struct;
 use crate::scene::{Light, Scene};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -21,30 +22,30 @@ pub enum EmitterKind {
     Sun = 3,
 }
 
-/// An emitter, 80 bytes.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct PackedEmitter {
-    /// First vertex, position, or centre of the sun's disc.
-    pub origin: Vec3,
-    /// A value of [`EmitterKind`].
-    pub kind: u32,
-    /// See [`EmitterKind`].
-    pub e1: Vec3,
-    /// Sum of the pick probabilities up to and including this emitter; exactly 1 for the last.
-    pub cumulative: f32,
-    /// See [`EmitterKind`].
-    pub e2: Vec3,
-    /// Area of the triangle or of the sun's disc, internal units²; 1 for point and spot.
-    pub area: f32,
-    /// Radiance, intensity or irradiance, by kind; internal units (intensity is W/sr of internal W).
-    pub strength: Bands,
-    /// Probability of picking this emitter.
-    pub pick: f32,
-    /// Flux, internal W per band: π A Le; 4π I; the cone's integral; E times the disc's area.
-    pub flux: Bands,
-    /// Padding.
-    pub pad: u32,
+gpu_struct! {
+    /// An emitter, 80 bytes.
+    pub struct PackedEmitter {
+        /// First vertex, position, or centre of the sun's disc.
+        pub origin: Vec3,
+        /// A value of [`EmitterKind`].
+        pub kind: u32,
+        /// See [`EmitterKind`].
+        pub e1: Vec3,
+        /// Sum of the pick probabilities up to and including this emitter; exactly 1 for the last.
+        pub cumulative: f32,
+        /// See [`EmitterKind`].
+        pub e2: Vec3,
+        /// Area of the triangle or of the sun's disc, internal units²; 1 for point and spot.
+        pub area: f32,
+        /// Radiance, intensity or irradiance, by kind; internal units (intensity is W/sr of internal W).
+        pub strength: Bands,
+        /// Probability of picking this emitter.
+        pub pick: f32,
+        /// Flux, internal W per band: π A Le; 4π I; the cone's integral; E times the disc's area.
+        pub flux: Bands,
+        /// Padding.
+        pub pad: u32,
+    }
 }
 
 /// The sun's disc is this much wider than the scene, so that no surface lies on its rim.
@@ -106,9 +107,28 @@ pub(super) fn pack(
     emitters
 }
 
-fn emitter(kind: EmitterKind, origin: Vec3, e1: Vec3, e2: Vec3, area: f32, strength: Bands, factor: f64) -> PackedEmitter {
+fn emitter(
+    kind: EmitterKind,
+    origin: Vec3,
+    e1: Vec3,
+    e2: Vec3,
+    area: f32,
+    strength: Bands,
+    factor: f64,
+) -> PackedEmitter {
     let flux = strength.map(|s| (f64::from(s) * factor) as f32);
-    PackedEmitter { origin, kind: kind as u32, e1, cumulative: 0.0, e2, area, strength, pick: 0.0, flux, pad: 0 }
+    PackedEmitter {
+        origin,
+        kind: kind as u32,
+        e1,
+        cumulative: 0.0,
+        e2,
+        area,
+        strength,
+        pick: 0.0,
+        flux,
+        pad: 0,
+    }
 }
 
 /// Pick probabilities proportional to flux, summed in f64 so that a million emitters lose nothing.

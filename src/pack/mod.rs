@@ -10,7 +10,7 @@ mod emitters;
 mod surfaces;
 mod targets;
 
-pub use area_points::{AreaPoint, scatter};
+pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use emitters::{EmitterKind, PackedEmitter};
 pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH};
 pub use targets::Target;
@@ -87,8 +87,7 @@ impl PackedScene {
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &order);
         let internal_bounds = [to_internal(lo), to_internal(hi)];
         let emitters = emitters::pack(scene, &mut triangles, world_scale, to_internal, internal_bounds);
-        let total_flux =
-            std::array::from_fn(|b| emitters.iter().map(|e| f64::from(e.flux[b])).sum::<f64>());
+        let total_flux = std::array::from_fn(|b| emitters.iter().map(|e| f64::from(e.flux[b])).sum::<f64>());
         let diffuse_area = triangles
             .iter()
             .filter(|t| materials[t.material as usize].flags().has_diffuse())

@@ -2,6 +2,7 @@
 
 use crate::bands::{BLACK, Bands, add, is_black};
 use crate::bvh::Edges;
+use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
 
@@ -11,22 +12,22 @@ pub const NO_EMITTER: u32 = u32::MAX;
 /// Bit of [`PackedTriangle::flags`]: the triangle has shading normals.
 pub const SMOOTH: u32 = 1;
 
-/// A triangle, 48 bytes; front where the vertices run counter-clockwise.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct PackedTriangle {
-    /// First vertex.
-    pub v0: Vec3,
-    /// Index of the material.
-    pub material: u32,
-    /// Second vertex minus first.
-    pub e1: Vec3,
-    /// [`SMOOTH`] or 0.
-    pub flags: u32,
-    /// Third vertex minus first.
-    pub e2: Vec3,
-    /// Index of the emitter, or [`NO_EMITTER`].
-    pub emitter: u32,
+gpu_struct! {
+    /// A triangle, 48 bytes; front where the vertices run counter-clockwise.
+    pub struct PackedTriangle {
+        /// First vertex.
+        pub v0: Vec3,
+        /// Index of the material.
+        pub material: u32,
+        /// Second vertex minus first.
+        pub e1: Vec3,
+        /// [`SMOOTH`] or 0.
+        pub flags: u32,
+        /// Third vertex minus first.
+        pub e2: Vec3,
+        /// Index of the emitter, or [`NO_EMITTER`].
+        pub emitter: u32,
+    }
 }
 
 impl PackedTriangle {
@@ -61,11 +62,11 @@ const SHARP_EXPONENT: f32 = 300.0;
 pub struct MaterialFlags(u32);
 
 impl MaterialFlags {
-    const DIFFUSE: u32 = 1;
-    const GLOSSY: u32 = 2;
-    const SPECULAR: u32 = 4;
-    const DIELECTRIC: u32 = 8;
-    const EMISSIVE: u32 = 16;
+    pub(crate) const DIFFUSE: u32 = 1;
+    pub(crate) const GLOSSY: u32 = 2;
+    pub(crate) const SPECULAR: u32 = 4;
+    pub(crate) const DIELECTRIC: u32 = 8;
+    pub(crate) const EMISSIVE: u32 = 16;
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
     pub fn has_diffuse(self) -> bool {
@@ -89,30 +90,30 @@ impl MaterialFlags {
     }
 }
 
-/// A material, 96 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct PackedMaterial {
-    /// Lambertian reflectance.
-    pub diffuse: Bands,
-    /// Bits of [`MaterialFlags`].
-    pub flag_bits: u32,
-    /// Mirror reflectance, or the dielectric's reflection tint.
-    pub specular: Bands,
-    /// Index of refraction inside over outside; 1 where opaque.
-    pub ior: f32,
-    /// Glossy reflectance.
-    pub glossy: Bands,
-    /// Phong exponent of the glossy lobe.
-    pub glossy_exponent: f32,
-    /// Transmission tint of a dielectric; black where opaque.
-    pub transmission: Bands,
-    /// Phong exponent about the mirror direction of what `specular` reflects; 0 is a perfect mirror.
-    pub specular_exponent: f32,
-    /// Radiance emitted from the front, W/(m² sr).
-    pub emission: Bands,
-    /// Padding.
-    pub pad1: u32,
+gpu_struct! {
+    /// A material, 96 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
+    pub struct PackedMaterial {
+        /// Lambertian reflectance.
+        pub diffuse: Bands,
+        /// Bits of [`MaterialFlags`].
+        pub flag_bits: u32,
+        /// Mirror reflectance, or the dielectric's reflection tint.
+        pub specular: Bands,
+        /// Index of refraction inside over outside; 1 where opaque.
+        pub ior: f32,
+        /// Glossy reflectance.
+        pub glossy: Bands,
+        /// Phong exponent of the glossy lobe.
+        pub glossy_exponent: f32,
+        /// Transmission tint of a dielectric; black where opaque.
+        pub transmission: Bands,
+        /// Phong exponent about the mirror direction of what `specular` reflects; 0 is a perfect mirror.
+        pub specular_exponent: f32,
+        /// Radiance emitted from the front, W/(m² sr).
+        pub emission: Bands,
+        /// Padding.
+        pub pad1: u32,
+    }
 }
 
 impl PackedMaterial {

@@ -1,20 +1,21 @@
 //! Targets: bounding spheres of the specular bodies. Light of class L S+ D must go there first.
 
 use super::surfaces::{PackedMaterial, PackedTriangle};
+use crate::layout::gpu_struct;
 use glam::Vec3;
 use std::collections::HashMap;
 
 /// Most targets that emission aims at; bodies beyond are merged with their nearest neighbours.
 pub(super) const MAX_TARGETS: usize = 16;
 
-/// A sphere that holds a specular body, 16 bytes.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Target {
-    /// Centre, internal units.
-    pub center: Vec3,
-    /// Radius, internal units, rounded up.
-    pub radius: f32,
+gpu_struct! {
+    /// A sphere that holds a specular body, 16 bytes.
+    pub struct Target {
+        /// Centre, internal units.
+        pub center: Vec3,
+        /// Radius, internal units, rounded up.
+        pub radius: f32,
+    }
 }
 
 /// Slack of the radius: f32 rounding of positions must not leave a sliver outside.

@@ -134,7 +134,9 @@ impl Plan {
             skip(Layer::Diffuse, "diffuse map", why);
         }
         let why = "--paths excludes it";
-        for (layer, what) in Layer::ALL.into_iter().zip(["emission", "direct light", "caustic map", "diffuse map"]) {
+        for (layer, what) in
+            Layer::ALL.into_iter().zip(["emission", "direct light", "caustic map", "diffuse map"])
+        {
             if !wanted[layer as usize] {
                 skip(layer, what, why);
             }

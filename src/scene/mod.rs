@@ -1,11 +1,24 @@
 //! Scene: what is to be rendered; validated, free of any backend, in the user's world units (f64).
 
 mod camera;
+mod clean;
+mod frame;
 mod light;
+mod load;
 mod material;
+mod mtl;
+mod obj;
+mod polygon;
+mod rule;
+mod scene_file;
+mod table;
+mod text;
+mod validate;
+mod warnings;
 
 pub use camera::Camera;
 pub use light::Light;
+pub use load::load;
 pub use material::{Dielectric, Material};
 
 use glam::{DVec3, Vec3};

@@ -1,0 +1,91 @@
+// Boundary: what part of a gather point's disc is surface at all, and the weights of a local linear fit over it.
+// Σ a (c0 + c1 x + c2 y) (1, x, y) = (1, 0, 0) over the area points in the disc [E15]: exact for a linear field, so what a
+// disc loses at an edge or in a corner neither darkens nor bends the estimate.
+// reads  map_info, gather_points, area_points (bucket order), area_starts      writes  fits
+// import: shared/index.wgsl
+// import: shared/sampling.wgsl
+// import: shared/grid.wgsl
+
+@group(0) @binding(0) var<uniform> pass_info: PassInfo;
+@group(0) @binding(1) var<uniform> map_info: MapInfo;
+@group(0) @binding(2) var<storage, read> gather_points: array<GatherPoint>;
+@group(0) @binding(3) var<storage, read> area_points: array<AreaPoint>;
+@group(0) @binding(4) var<storage, read> area_starts: array<u32>;
+@group(0) @binding(5) var<storage, read_write> fits: array<Fit>;
+@group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
+
+// A disc is whole where it has this part of its area and its centroid lies this near (in radii).
+const WHOLE_AREA: f32 = 0.95;
+const WHOLE_CENTROID: f32 = 0.05;
+// A fit may raise the variance of a joton's weight by this factor at most; beyond, the area alone is corrected.
+const AMPLIFICATION_MAX: f32 = 20.0;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let pixel = linear_index(id, groups);
+    if pixel >= pass_info.width * pass_info.height {
+        return;
+    }
+    let point = gather_points[pixel];
+    if max(point.throughput.x, max(point.throughput.y, point.throughput.z)) <= 0.0 {
+        return;
+    }
+    let r = map_info.radius;
+    let normal = decode_direction(point.normal);
+    let front = select(normal, -normal, (point.surface & BACK_SIDE) != 0u);
+    let frame = basis(normal);
+    let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.area_cells_per_unit);
+    let highest = cell_of(point.position + r, map_info.grid_origin, map_info.area_cells_per_unit);
+    let first = column(lowest.x, map_info.area_columns);
+    let last = column(highest.x, map_info.area_columns);
+    var m = vec3(0.0); // n, Σx, Σy
+    var mm = vec3(0.0); // Σxx, Σxy, Σyy
+    for (var z = lowest.z; z <= highest.z; z += 1) {
+        for (var y = lowest.y; y <= highest.y; y += 1) {
+            let row = row_bucket(y, z, map_info.area_row_mask);
+            let end = area_starts[row + last + 1u];
+            var i = area_starts[row + first];
+            while i < end {
+                let a = area_points[i];
+                i += 1u;
+                let d = a.position - point.position;
+                if dot(d, d) < r * r {
+                    let cell = cell_of(a.position, map_info.grid_origin, map_info.area_cells_per_unit);
+                    let facing = dot(decode_direction(a.normal), front);
+                    let share = select(GATHER_SHEET_SHARE, GATHER_PLANE_SHARE, facing > 0.0);
+                    // another row may share this bucket: its points are counted when that row is visited
+                    if cell.y == y && cell.z == z && abs(facing) > GATHER_NORMAL_COS && abs(dot(d, normal)) < share * r {
+                        let x = dot(d, frame[0]) / r;
+                        let v = dot(d, frame[1]) / r;
+                        m += vec3(1.0, x, v);
+                        mm += vec3(x * x, x * v, v * v);
+                    }
+                }
+            }
+            if i < end {
+                atomicAdd(&status[STATUS_LOOP_CUT], 1u);
+            }
+        }
+    }
+    let disc = PI * r * r;
+    let area = m.x * map_info.area_each;
+    var c = vec4(1.0 / disc, 0.0, 0.0, 0.0);
+    if m.x > 0.0 {
+        let center = m.yz / m.x;
+        if area < WHOLE_AREA * disc || dot(center, center) > WHOLE_CENTROID * WHOLE_CENTROID {
+            // covariance of the area about its centroid; the weights are (1 − centerᵀ C⁻¹ (x − center)) / area
+            let xx = mm.x / m.x - center.x * center.x;
+            let xy = mm.y / m.x - center.x * center.y;
+            let yy = mm.z / m.x - center.y * center.y;
+            let det = xx * yy - xy * xy;
+            let slope = vec2(yy * center.x - xy * center.y, xx * center.y - xy * center.x) / max(det, 1e-12);
+            let amplification = 1.0 + dot(center, slope);
+            if det > 1e-6 && amplification > 0.0 && amplification < AMPLIFICATION_MAX {
+                c = vec4(amplification, -slope, 0.0) / area;
+            } else {
+                c = vec4(1.0 / area, 0.0, 0.0, 0.0);
+            }
+        }
+    }
+    fits[pixel] = Fit(c);
+}

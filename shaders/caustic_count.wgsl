@@ -1,0 +1,51 @@
+// Caustic count: how many jotons of the pilot pass lie in the largest disc of each gather point.
+// reads  map_info, gather_points, sorted_jotons, bucket_starts      writes  counts (−1 where there is no gather point)
+// import: shared/index.wgsl
+// import: shared/sampling.wgsl
+// import: shared/grid.wgsl
+
+@group(0) @binding(0) var<uniform> pass_info: PassInfo;
+@group(0) @binding(1) var<uniform> map_info: MapInfo;
+@group(0) @binding(2) var<storage, read> gather_points: array<GatherPoint>;
+@group(0) @binding(3) var<storage, read> sorted_jotons: array<Joton>;
+@group(0) @binding(4) var<storage, read> bucket_starts: array<u32>;
+@group(0) @binding(5) var<storage, read_write> counts: array<f32>;
+
+override RADIUS_FOOTPRINTS: f32 = 4.0;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let pixel = linear_index(id, groups);
+    if pixel >= pass_info.width * pass_info.height {
+        return;
+    }
+    let point = gather_points[pixel];
+    if max(point.throughput.x, max(point.throughput.y, point.throughput.z)) <= 0.0 {
+        counts[pixel] = -1.0;
+        return;
+    }
+    let r = min(map_info.radius, RADIUS_FOOTPRINTS * point.path_length * pass_info.pixel_angle);
+    let normal = decode_direction(point.normal);
+    let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.cells_per_unit);
+    let highest = cell_of(point.position + r, map_info.grid_origin, map_info.cells_per_unit);
+    let first = column(lowest.x, map_info.columns);
+    let last = column(highest.x, map_info.columns);
+    var count = 0.0;
+    for (var z = lowest.z; z <= highest.z; z += 1) {
+        for (var y = lowest.y; y <= highest.y; y += 1) {
+            let row = row_bucket(y, z, map_info.row_mask);
+            let end = bucket_starts[row + last + 1u];
+            for (var i = bucket_starts[row + first]; i < end; i += 1u) {
+                let position = sorted_jotons[i].position;
+                let d = position - point.position;
+                let cell = cell_of(position, map_info.grid_origin, map_info.cells_per_unit);
+                if dot(d, d) < r * r && cell.y == y && cell.z == z
+                    && abs(dot(d, normal)) < GATHER_PLANE_SHARE * r
+                    && dot(decode_normal26(sorted_jotons[i].normal_state), normal) > GATHER_NORMAL_COS {
+                    count += 1.0;
+                }
+            }
+        }
+    }
+    counts[pixel] = count;
+}

@@ -1,0 +1,108 @@
+// Eye: one camera path per pixel, through mirrors and glass to the first diffuse surface: a gather point.
+// Emission that is met on the way goes to the film (E S* L).
+// reads  scene, path_filter      writes  gather_points, film_emission, status
+// import: shared/features.wgsl
+// import: shared/index.wgsl
+// import: shared/rng.wgsl
+// import: shared/scene.wgsl
+// import: shared/surface.wgsl
+// import: shared/bsdf.wgsl
+// import: shared/scatter.wgsl
+// import: shared/paths.wgsl
+
+@group(1) @binding(0) var<uniform> path_filter: PathFilter;
+@group(1) @binding(1) var<storage, read_write> gather_points: array<GatherPoint>;
+@group(1) @binding(2) var<storage, read_write> film_emission: array<vec4<f32>>;
+@group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
+
+// Specular events that a camera path survives for sure; then with SURVIVAL.
+const SURE_EVENTS: u32 = 16u;
+const SURVIVAL: f32 = 0.95;
+// Hard limit, counted in the report where it is met.
+const MOST_EVENTS: u32 = 256u;
+const CHAIN_MAX: u32 = 63u;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let pixel = linear_index(id, groups);
+    if pixel >= pass_info.width * pass_info.height {
+        return;
+    }
+    let jitter = sobol2(pass_info.pass_index, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
+    let x = (f32(pixel % pass_info.width) + jitter.x) / f32(pass_info.width);
+    let y = (f32(pixel / pass_info.width) + jitter.y) / f32(pass_info.height);
+    var origin = pass_info.eye;
+    var direction =
+        normalize(pass_info.forward + (2.0 * x - 1.0) * pass_info.right + (1.0 - 2.0 * y) * pass_info.up);
+    var throughput = Bands(1.0);
+    var emission = Bands(0.0);
+    var length = 0.0;
+    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, 0u);
+    var events = 0u;
+    var rays = 0u;
+
+    loop {
+        rays += 1u;
+        let hit = traverse(origin, direction, 1e30, false);
+        if hit.triangle == MISS {
+            break;
+        }
+        length += hit.t;
+        let s = surface_at(hit);
+        let m = materials[s.material];
+        let from_front = dot(direction, s.front) < 0.0;
+        if (m.flag_bits & EMISSIVE) != 0u && from_front
+            && (!HAS_PATH_FILTER || path_wanted(PATH_START, events)) {
+            emission += throughput * m.emission;
+        }
+        let toward_eye = select(-1.0, 1.0, from_front);
+        let geometric = s.front * toward_eye;
+        let shading = facing_normal(s, direction, geometric);
+        let reflectance = dielectric_reflectance(m, shading, direction, from_front);
+        let c = chances(m, throughput, reflectance);
+        let scatter = c.diffuse + c.glossy;
+        let total = scatter + c.mirror + c.reflect + c.transmit;
+        if total <= 0.0 {
+            break;
+        }
+        // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput.
+        let random = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_EYE + events);
+        let choice = random.x * total;
+        if choice < scatter {
+            let back = select(BACK_SIDE, 0u, from_front);
+            point = GatherPoint(
+                s.position, s.material | (min(events, CHAIN_MAX) << 24u) | back,
+                throughput * (total / scatter), length,
+                encode_direction(geometric), encode_direction(shading), encode_direction(-direction), 0u,
+            );
+            break;
+        }
+        var event = EVENT_MIRROR;
+        if HAS_DIELECTRIC && choice >= scatter + c.mirror {
+            event = select(EVENT_TRANSMIT, EVENT_REFLECT, choice < scatter + c.mirror + c.reflect);
+        }
+        let next = specular_scatter(m, event, direction, geometric, shading, from_front, random.yz);
+        if !next.alive {
+            break;
+        }
+        // [E9] radiance scales with the square of the index; flux does not
+        let radiance_scale = select(1.0, next.eta_it * next.eta_it, event == EVENT_TRANSMIT);
+        throughput *= event_reflectance(m, event, reflectance) * (total / event_chance(c, event) * radiance_scale);
+        direction = next.direction;
+        origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
+        events += 1u;
+        if events >= SURE_EVENTS {
+            if random.w >= SURVIVAL {
+                break;
+            }
+            throughput /= SURVIVAL;
+        }
+        if events >= MOST_EVENTS {
+            atomicAdd(&status[STATUS_TRUNCATED], 1u);
+            break;
+        }
+    }
+    atomicAdd(&status[STATUS_RAYS], rays);
+    gather_points[pixel] = point;
+    film_emission[pixel] += vec4(emission, 0.0);
+}

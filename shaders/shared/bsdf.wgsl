@@ -1,0 +1,73 @@
+// What happens at a surface. Twin: src/cpu/bsdf.rs.
+// import: shared/sampling.wgsl
+
+// Reflectance of a smooth dielectric for unpolarised light [E8]; eta = n_transmitted / n_incident; 1 at total reflection.
+fn fresnel(cos_i: f32, eta: f32) -> f32 {
+    let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
+    if sin2_t >= 1.0 {
+        return 1.0;
+    }
+    let cos_t = sqrt(1.0 - sin2_t);
+    let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    return 0.5 * (parallel * parallel + perpendicular * perpendicular);
+}
+
+// Snell: direction d on to a surface with unit normal n toward d's side; eta_it = n_incident / n_transmitted.
+// Zero at total reflection.
+fn refract_direction(d: vec3<f32>, n: vec3<f32>, eta_it: f32) -> vec3<f32> {
+    let cos_i = -dot(d, n);
+    let k = 1.0 - eta_it * eta_it * (1.0 - cos_i * cos_i);
+    if k <= 0.0 {
+        return vec3(0.0);
+    }
+    return normalize(eta_it * d + (eta_it * cos_i - sqrt(k)) * n);
+}
+
+fn max_band(b: Bands) -> f32 {
+    return max(b.x, max(b.y, b.z));
+}
+
+// BRDF of the D lobes, 1/sr: Lambert plus normalised Phong about the mirror direction [E6].
+fn eval_brdf(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
+    var f = m.diffuse / PI;
+    if HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u {
+        let c = max(0.0, dot(reflect(-wi, n), wo));
+        f += m.glossy * ((m.glossy_exponent + 2.0) / TAU * pow(c, m.glossy_exponent));
+    }
+    return f;
+}
+
+const EVENT_ABSORB: u32 = 0u;
+const EVENT_DIFFUSE: u32 = 1u;
+const EVENT_GLOSSY: u32 = 2u;
+const EVENT_MIRROR: u32 = 3u;
+const EVENT_REFLECT: u32 = 4u;
+const EVENT_TRANSMIT: u32 = 5u;
+
+// Part of the flux that each event takes, as max over bands of (reflectance × carried) / max of carried.
+struct Chances {
+    diffuse: f32,
+    glossy: f32,
+    mirror: f32,
+    reflect: f32,
+    transmit: f32,
+}
+
+fn chances(m: PackedMaterial, carried: Bands, reflectance: f32) -> Chances {
+    let scale = 1.0 / max(max_band(carried), 1e-37);
+    var c = Chances(0.0, 0.0, 0.0, 0.0, 0.0);
+    if HAS_DIELECTRIC && (m.flag_bits & DIELECTRIC) != 0u {
+        c.reflect = reflectance * max_band(m.specular * carried) * scale;
+        c.transmit = (1.0 - reflectance) * max_band(m.transmission * carried) * scale;
+        return c;
+    }
+    c.diffuse = max_band(m.diffuse * carried) * scale;
+    if HAS_GLOSSY {
+        c.glossy = max_band(m.glossy * carried) * scale;
+    }
+    if HAS_SPECULAR {
+        c.mirror = max_band(m.specular * carried) * scale;
+    }
+    return c;
+}

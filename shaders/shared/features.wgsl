@@ -1,0 +1,7 @@
+// What the scene needs; the rest is compiled out.
+
+override HAS_SMOOTH: bool = true;
+override HAS_SPECULAR: bool = true;
+override HAS_DIELECTRIC: bool = true;
+override HAS_GLOSSY: bool = true;
+override HAS_PATH_FILTER: bool = true;

@@ -1,0 +1,124 @@
+// Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
+// reads  nodes, triangles        counts  steps: loop iterations of this invocation
+
+struct Hit {
+    triangle: u32,
+    t: f32,
+    u: f32,
+    v: f32,
+}
+
+const MISS: u32 = 0xffffffffu;
+const STACK_SIZE: u32 = 24u;
+// Barycentric slack: a ray that meets an edge hits one triangle or the other, never neither.
+const EDGE_SLACK: f32 = 1e-6;
+// Smallest divisor of a ray's direction.
+const TINY: f32 = 1e-20;
+
+var<private> steps: u32;
+
+fn bytes(word: u32) -> vec4<f32> {
+    return vec4<f32>((vec4(word) >> vec4(0u, 8u, 16u, 24u)) & vec4(0xffu));
+}
+
+// Which of four children the ray meets, as bits of the group masks.
+fn four_children(
+    meta4: u32, oct_inv4: u32, x0: u32, x1: u32, y0: u32, y1: u32, z0: u32, z1: u32,
+    scale: vec3<f32>, start: vec3<f32>, t_max: f32,
+) -> u32 {
+    let inner4 = (meta4 & (meta4 << 1u)) & 0x10101010u;
+    let inner_mask4 = (inner4 >> 4u) * 0xffu;
+    let bit_index4 = (meta4 ^ (oct_inv4 & inner_mask4)) & 0x1f1f1f1fu;
+    let child_bits4 = (meta4 >> 5u) & 0x07070707u;
+    let near = max(
+        max(bytes(x0) * scale.x + start.x, bytes(y0) * scale.y + start.y),
+        max(bytes(z0) * scale.z + start.z, vec4(0.0)),
+    );
+    let far = min(
+        min(bytes(x1) * scale.x + start.x, bytes(y1) * scale.y + start.y),
+        min(bytes(z1) * scale.z + start.z, vec4(t_max)),
+    );
+    let shift = vec4(0u, 8u, 16u, 24u);
+    let bits = ((vec4(child_bits4) >> shift) & vec4(7u)) << ((vec4(bit_index4) >> shift) & vec4(31u));
+    // a hair of slack for the rounding of the quantised planes
+    let met = select(vec4(0u), bits, near <= far * 1.0000004);
+    return (met.x | met.y) | (met.z | met.w);
+}
+
+fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool) -> Hit {
+    var hit = Hit(MISS, t_limit, 0.0, 0.0);
+    var stack: array<vec2<u32>, STACK_SIZE>;
+    var depth = 0u;
+    let safe = select(direction, select(vec3(-TINY), vec3(TINY), direction >= vec3(0.0)), abs(direction) < vec3(TINY));
+    let inverse = 1.0 / safe;
+    let negative = safe < vec3(0.0);
+    let octant = select(0x04040404u, 0u, negative.x) | select(0x02020202u, 0u, negative.y)
+        | select(0x01010101u, 0u, negative.z);
+    var group = vec2(0u, 0x80000000u);
+    loop {
+        var leaf = vec2(0u);
+        if group.y > 0x00ffffffu {
+            let mask = group.y;
+            let bit = firstLeadingBit(mask);
+            let base = group.x;
+            group.y = mask & ~(1u << bit);
+            if group.y > 0x00ffffffu {
+                stack[min(depth, STACK_SIZE - 1u)] = group;
+                depth += 1u;
+            }
+            let slot = (bit - 24u) ^ (octant & 0xffu);
+            let at = (base + countOneBits(mask & ~(0xffffffffu << slot))) * 5u;
+            let n0 = nodes[at];
+            let n1 = nodes[at + 1u];
+            let n2 = nodes[at + 2u];
+            let n3 = nodes[at + 3u];
+            let n4 = nodes[at + 4u];
+            let exponents = vec3(n0.w, n0.w >> 8u, n0.w >> 16u) & vec3(0xffu);
+            let scale = bitcast<vec3<f32>>(exponents << vec3(23u)) * inverse;
+            let start = (bitcast<vec3<f32>>(n0.xyz) - origin) * inverse;
+            let x_near = select(n2.xy, n2.zw, negative.x);
+            let x_far = select(n2.zw, n2.xy, negative.x);
+            let y_near = select(n3.xy, n3.zw, negative.y);
+            let y_far = select(n3.zw, n3.xy, negative.y);
+            let z_near = select(n4.xy, n4.zw, negative.z);
+            let z_far = select(n4.zw, n4.xy, negative.z);
+            let met = four_children(n1.z, octant, x_near.x, x_far.x, y_near.x, y_far.x, z_near.x, z_far.x, scale, start, hit.t)
+                | four_children(n1.w, octant, x_near.y, x_far.y, y_near.y, y_far.y, z_near.y, z_far.y, scale, start, hit.t);
+            group = vec2(n1.x, (met & 0xff000000u) | (n0.w >> 24u));
+            leaf = vec2(n1.y, met & 0x00ffffffu);
+            steps += 1u;
+        } else {
+            group = vec2(0u);
+        }
+        while leaf.y != 0u {
+            let bit = firstLeadingBit(leaf.y);
+            leaf.y &= ~(1u << bit);
+            let index = leaf.x + bit;
+            let v0 = triangles[index].v0;
+            let e1 = triangles[index].e1;
+            let e2 = triangles[index].e2;
+            let p = cross(direction, e2);
+            let inv_det = 1.0 / dot(e1, p);
+            let s = origin - v0;
+            let u = dot(s, p) * inv_det;
+            let q = cross(s, e1);
+            let v = dot(direction, q) * inv_det;
+            let t = dot(e2, q) * inv_det;
+            if u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && t > 0.0 && t < hit.t {
+                hit = Hit(index, t, u, v);
+            }
+            steps += 1u;
+        }
+        if any_hit && hit.triangle != MISS {
+            break;
+        }
+        if group.y <= 0x00ffffffu {
+            if depth == 0u {
+                break;
+            }
+            depth -= 1u;
+            group = stack[min(depth, STACK_SIZE - 1u)];
+        }
+    }
+    return hit;
+}

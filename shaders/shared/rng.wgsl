@@ -1,0 +1,72 @@
+// Random numbers by address: random(seed, pass, path, dimension). Twin: src/rng.rs.
+// pcg4d: Jarzynski & Olano 2020. Owen scrambling by hash: Laine & Karras 2011, constants by Vegdahl 2021; Burley 2020.
+
+fn pcg4d(input: vec4<u32>) -> vec4<u32> {
+    var v = input * 1664525u + 1013904223u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v ^= v >> vec4<u32>(16u);
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+// A number in [0, 1): the top 24 bits, so that rounding never gives 1.
+fn unit(x: u32) -> f32 {
+    return f32(x >> 8u) * (1.0 / 16777216.0);
+}
+
+fn random4(seed: u32, pass_index: u32, path: u32, dimension: u32) -> vec4<f32> {
+    let r = pcg4d(vec4(path, dimension, pass_index, seed));
+    return vec4(unit(r.x), unit(r.y), unit(r.z), unit(r.w));
+}
+
+// A seed for one scrambled sequence: different for each stream (kernel and purpose) and path.
+fn sequence_seed(seed: u32, path: u32, stream: u32) -> u32 {
+    return pcg4d(vec4(path, stream, 0x9e3779b9u, seed)).w;
+}
+
+fn owen(input: u32, seed: u32) -> u32 {
+    var x = reverseBits(input);
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return reverseBits(x);
+}
+
+// Second dimension of Sobol's sequence: Pascal's triangle modulo 2, in five steps.
+fn sobol_second(index: u32) -> u32 {
+    var v = reverseBits(index);
+    v ^= v << 16u;
+    v ^= (v & 0x00ff00ffu) << 8u;
+    v ^= (v & 0x0f0f0f0fu) << 4u;
+    v ^= (v & 0x33333333u) << 2u;
+    v ^= (v & 0x55555555u) << 1u;
+    return v;
+}
+
+// Point `index` of a scrambled, shuffled Sobol pair.
+fn sobol2(index: u32, seed: u32) -> vec2<f32> {
+    let shuffled = owen(index, seed);
+    let seeds = pcg4d(vec4(seed, 1u, 2u, 3u));
+    return vec2(unit(owen(reverseBits(shuffled), seeds.x)), unit(owen(sobol_second(shuffled), seeds.y)));
+}
+
+// Streams of low-discrepancy pairs.
+const STREAM_JITTER: u32 = 0u;
+const STREAM_LIGHT: u32 = 1u;
+const STREAM_CAUSTIC_PLACE: u32 = 2u;
+const STREAM_CAUSTIC_DIRECTION: u32 = 3u;
+const STREAM_DIFFUSE_PLACE: u32 = 4u;
+const STREAM_DIFFUSE_DIRECTION: u32 = 5u;
+// Dimensions of hashed numbers: one for each event of a path, in a range for each kind of path.
+const DIMENSION_EYE: u32 = 0u;
+const DIMENSION_DIRECT: u32 = 0x10000u;
+const DIMENSION_CAUSTIC: u32 = 0x20000u;
+const DIMENSION_DIFFUSE: u32 = 0x30000u;

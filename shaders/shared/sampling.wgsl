@@ -1,0 +1,85 @@
+// Mappings from the unit square to directions and places. Twin: src/cpu/sampling.rs.
+
+const PI: f32 = 3.14159265358979;
+const TAU: f32 = 6.28318530717959;
+
+// An orthonormal frame with z = n (Duff et al. 2017): columns x, y, n.
+fn basis(n: vec3<f32>) -> mat3x3<f32> {
+    let s = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (s + n.z);
+    let b = n.x * n.y * a;
+    return mat3x3(
+        vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x),
+        vec3(b, s + n.y * n.y * a, -n.y),
+        n,
+    );
+}
+
+// pdf_solid_angle = cosθ / π.
+fn sample_cosine_hemisphere(u: vec2<f32>) -> vec3<f32> {
+    let r = sqrt(u.x);
+    let phi = TAU * u.y;
+    return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0, 1.0 - u.x)));
+}
+
+// Barycentric weights of the second and third vertex; uniform by area.
+fn sample_triangle(u: vec2<f32>) -> vec2<f32> {
+    let s = sqrt(u.x);
+    return vec2(1.0 - s, u.y * s);
+}
+
+// pdf_solid_angle = 1 / (2π (1 − cos_max)). The sine is computed without cancellation: narrow cones keep their digits.
+fn sample_cone(u: vec2<f32>, one_minus_cos_max: f32) -> vec3<f32> {
+    let one_minus_z = u.x * one_minus_cos_max;
+    let r = sqrt(max(0.0, one_minus_z * (2.0 - one_minus_z)));
+    let phi = TAU * u.y;
+    return vec3(r * cos(phi), r * sin(phi), 1.0 - one_minus_z);
+}
+
+fn sample_disc(u: vec2<f32>) -> vec2<f32> {
+    let r = sqrt(u.x);
+    let phi = TAU * u.y;
+    return vec2(r * cos(phi), r * sin(phi));
+}
+
+// pdf_solid_angle = (e+1)/(2π) cosθ^e.
+fn sample_phong_lobe(u: vec2<f32>, exponent: f32) -> vec3<f32> {
+    let z = pow(u.x, 1.0 / (exponent + 1.0));
+    let r = sqrt(max(0.0, 1.0 - z * z));
+    let phi = TAU * u.y;
+    return vec3(r * cos(phi), r * sin(phi), z);
+}
+
+// Unit vectors in 32 bits (octahedral map: Meyer et al. 2010), 16 + 16 bits, or 13 + 13 in the low 26.
+fn octahedral(n: vec3<f32>) -> vec2<f32> {
+    let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+    let folded = (1.0 - abs(p.yx)) * select(vec2(-1.0), vec2(1.0), p >= vec2(0.0));
+    return select(p, folded, n.z < 0.0);
+}
+
+fn from_octahedral(e: vec2<f32>) -> vec3<f32> {
+    var n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
+    let t = max(-n.z, 0.0);
+    n.x += select(t, -t, n.x >= 0.0);
+    n.y += select(t, -t, n.y >= 0.0);
+    return normalize(n);
+}
+
+fn encode_direction(n: vec3<f32>) -> u32 {
+    return pack2x16snorm(octahedral(n));
+}
+
+fn decode_direction(e: u32) -> vec3<f32> {
+    return from_octahedral(unpack2x16snorm(e));
+}
+
+const NORMAL_STEPS: f32 = 4095.0;
+
+fn encode_normal26(n: vec3<f32>) -> u32 {
+    let e = vec2<u32>(round(octahedral(n) * NORMAL_STEPS) + NORMAL_STEPS);
+    return e.x | (e.y << 13u);
+}
+
+fn decode_normal26(e: u32) -> vec3<f32> {
+    return from_octahedral((vec2<f32>(vec2(e & 0x1fffu, (e >> 13u) & 0x1fffu)) - NORMAL_STEPS) / NORMAL_STEPS);
+}

@@ -1,0 +1,191 @@
+// Trace: emit jotons and bounce them with Russian roulette; store them where they meet diffuse surfaces.
+// A lane traces its jotons one after the other and puts its work away when its step budget is used up: dispatched until
+// all lanes are done. Two variants: the caustic map (L S+ D, emission aimed at the specular bodies) and the diffuse map
+// (everything that met a D before).
+// reads  scene, targets, map_info, path_filter      writes  lanes, jotons (a region for each lane), tallies
+// import: shared/features.wgsl
+// import: shared/index.wgsl
+// import: shared/rng.wgsl
+// import: shared/scene.wgsl
+// import: shared/surface.wgsl
+// import: shared/bsdf.wgsl
+// import: shared/scatter.wgsl
+// import: shared/emitter.wgsl
+// import: shared/emit.wgsl
+// import: shared/paths.wgsl
+
+override CAUSTIC: bool = false;
+
+@group(1) @binding(0) var<uniform> map_info: MapInfo;
+@group(1) @binding(1) var<uniform> path_filter: PathFilter;
+@group(1) @binding(2) var<uniform> targets: array<Target, 16>;
+@group(1) @binding(3) var<storage, read_write> lanes: array<Lane>;
+@group(1) @binding(4) var<storage, read_write> jotons: array<Joton>;
+@group(1) @binding(5) var<storage, read_write> tallies: array<LaneTally>;
+
+// Bits of Lane.status; the state of the path automaton lies below, the number of events above.
+const LANE_ALIVE: u32 = 32u;
+const LANE_MET_SPECULAR: u32 = 64u;
+const LANE_MET_DIFFUSE: u32 = 128u;
+const LANE_DONE: u32 = 256u;
+const LANE_EVENT: u32 = 0x10000u;
+// Events that a joton survives for sure beyond the roulette of the surfaces; then with SURVIVAL. Without this, light
+// between perfect mirrors would never end.
+const SURE_EVENTS: u32 = 128u;
+const SURVIVAL: f32 = 0.95;
+// Loop iterations of picking an emitter, at most.
+const EMIT_STEPS: u32 = 24u;
+// Bound of the adjoint correction for shading normals where the geometry grazes.
+const ADJOINT_MAX: f32 = 8.0;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = linear_index(id, groups);
+    if index >= map_info.lanes {
+        return;
+    }
+    var lane = lanes[index];
+    if (lane.status & LANE_DONE) != 0u {
+        return;
+    }
+    var tally = tallies[index];
+    let region = index * map_info.lane_capacity;
+    let stored_before = lane.stored;
+    let first_dimension = select(DIMENSION_DIFFUSE, DIMENSION_CAUSTIC, CAUSTIC);
+
+    while steps < STEP_BUDGET {
+        steps += 1u;
+        if (lane.status & LANE_ALIVE) == 0u {
+            let number = index + lane.started * map_info.lanes;
+            if number >= map_info.emitted {
+                lane.status = LANE_DONE;
+                break;
+            }
+            lane.started += 1u;
+            steps += EMIT_STEPS + 3u * pass_info.targets;
+            let start = emit(number);
+            lane.origin = start.origin;
+            lane.direction = start.direction;
+            lane.flux = start.flux;
+            lane.status = PATH_START;
+            if max_band(start.flux) <= 0.0 {
+                continue;
+            }
+            lane.status |= LANE_ALIVE;
+            tally.emitted += start.flux;
+        }
+        let number = index + (lane.started - 1u) * map_info.lanes;
+        let hit = traverse(lane.origin, lane.direction, 1e30, false);
+        tally.rays += 1u;
+        if hit.triangle == MISS {
+            tally.escaped += lane.flux;
+            lane.status = 0u;
+            continue;
+        }
+        let s = surface_at(hit);
+        let m = materials[s.material];
+        let from_front = dot(lane.direction, s.front) < 0.0;
+        let geometric = s.front * select(-1.0, 1.0, from_front);
+        let shading = facing_normal(s, lane.direction, geometric);
+        let wi = -lane.direction;
+        // [E11] jotons see shading normals through their adjoint
+        var adjoint_in = 1.0;
+        if HAS_SMOOTH && s.is_smooth {
+            adjoint_in = min(ADJOINT_MAX, dot(wi, shading) / max(1e-6, dot(wi, geometric)));
+        }
+        let scatters = (m.flag_bits & (DIFFUSE | GLOSSY)) != 0u;
+        let wanted = select((lane.status & LANE_MET_DIFFUSE) != 0u, (lane.status & LANE_MET_SPECULAR) != 0u, CAUSTIC);
+        if scatters && wanted {
+            if lane.stored < map_info.lane_capacity {
+                var state = 0u;
+                if HAS_PATH_FILTER {
+                    state = path_step(lane.status & 31u, EVENT_D);
+                }
+                jotons[region + lane.stored] = Joton(
+                    s.position, encode_direction(wi), lane.flux * adjoint_in,
+                    encode_normal26(geometric) | (state << 26u),
+                );
+            }
+            lane.stored += 1u;
+        }
+
+        let reflectance = dielectric_reflectance(m, shading, lane.direction, from_front);
+        let c = chances(m, lane.flux, reflectance);
+        let events = lane.status / LANE_EVENT;
+        let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
+        var event = EVENT_ABSORB;
+        var edge = c.diffuse;
+        if random.x < edge {
+            event = EVENT_DIFFUSE;
+        } else {
+            edge += c.glossy;
+            if random.x < edge {
+                event = EVENT_GLOSSY;
+            } else {
+                edge += c.mirror;
+                if random.x < edge {
+                    event = EVENT_MIRROR;
+                } else {
+                    edge += c.reflect;
+                    if random.x < edge {
+                        event = EVENT_REFLECT;
+                    } else if random.x < edge + c.transmit {
+                        event = EVENT_TRANSMIT;
+                    }
+                }
+            }
+        }
+        let kept = m.diffuse + m.glossy + select(m.specular, m.specular * reflectance + m.transmission * (1.0 - reflectance),
+            (m.flag_bits & DIELECTRIC) != 0u);
+        tally.absorbed += lane.flux * (1.0 - kept);
+        let is_scatter = event == EVENT_DIFFUSE || event == EVENT_GLOSSY;
+        if event == EVENT_ABSORB || (CAUSTIC && is_scatter) {
+            lane.status = 0u;
+            continue;
+        }
+        lane.flux *= event_reflectance(m, event, reflectance) / event_chance(c, event);
+        if is_scatter {
+            var d: vec3<f32>;
+            if event == EVENT_DIFFUSE {
+                d = basis(shading) * sample_cosine_hemisphere(random.yz);
+                if HAS_SMOOTH && s.is_smooth {
+                    lane.flux *= min(ADJOINT_MAX, adjoint_in * dot(d, geometric) / max(1e-6, dot(d, shading)));
+                }
+            } else {
+                d = basis(normalize(reflect(lane.direction, shading))) * sample_phong_lobe(random.yz, m.glossy_exponent);
+                lane.flux *= (m.glossy_exponent + 2.0) / (m.glossy_exponent + 1.0) * max(0.0, dot(d, shading));
+            }
+            lane.direction = normalize(d);
+            lane.status |= LANE_MET_DIFFUSE;
+            if dot(lane.direction, geometric) <= 0.0 || max_band(lane.flux) <= 0.0 {
+                lane.status = 0u;
+                continue;
+            }
+        } else {
+            let next = specular_scatter(m, event, lane.direction, geometric, shading, from_front, random.yz);
+            lane.direction = next.direction;
+            lane.status |= LANE_MET_SPECULAR;
+            if !next.alive {
+                tally.absorbed += lane.flux;
+                lane.status = 0u;
+                continue;
+            }
+        }
+        if HAS_PATH_FILTER {
+            lane.status = (lane.status & ~31u)
+                | path_step(lane.status & 31u, select(EVENT_S, EVENT_D, is_scatter));
+        }
+        lane.origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(lane.direction, s.front) >= 0.0));
+        lane.status += LANE_EVENT;
+        if events >= SURE_EVENTS {
+            if random.w >= SURVIVAL {
+                lane.status = 0u;
+                continue;
+            }
+            lane.flux /= SURVIVAL;
+        }
+    }
+    tally.stored += lane.stored - stored_before;
+    lanes[index] = lane;
+    tallies[index] = tally;
+}

@@ -1,0 +1,68 @@
+//! The area points' grid: scattered on the host, sorted into the same kind of hashed grid as the jotons.
+
+use super::scene_buffers::encode_area_point;
+use crate::layout::AreaPoint;
+use crate::pack::{PackedScene, scatter_area_points};
+use glam::Vec3;
+
+/// Area points that fall into a whole disc.
+const POINTS_PER_DISC: f64 = 250.0;
+/// Most area points: memory and set-up time end somewhere; the fit only gets noisier.
+pub(super) const AREA_POINTS_MAX: usize = 1 << 21;
+
+/// Area points in bucket order with the table of their grid.
+pub(super) struct AreaGrid {
+    /// The points.
+    pub points: Vec<AreaPoint>,
+    /// First point of each bucket, and one entry more.
+    pub starts: Vec<u32>,
+    /// Area of each point.
+    pub each: f32,
+    /// One over the width of a cell.
+    pub cells_per_unit: f32,
+    /// Hash mask of the rows.
+    pub row_mask: u32,
+    /// Columns of a row.
+    pub columns: u32,
+}
+
+/// Bits of a bucket's number.
+const KEY_BITS: u32 = 17;
+/// Entries of the bucket table.
+pub(super) const AREA_STARTS: usize = (1 << KEY_BITS) + 2;
+
+/// How many points discs of this radius want.
+pub(super) fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
+    let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
+    ((POINTS_PER_DISC * discs) as usize).clamp(1, AREA_POINTS_MAX)
+}
+
+/// Scatter and sort points for discs of up to `radius`.
+pub(super) fn build(scene: &PackedScene, radius: f64, seed: u32) -> AreaGrid {
+    let (points, each) = scatter_area_points(scene, points_wanted(scene, radius), seed);
+    let extent = scene.bounds[1] - scene.bounds[0];
+    let cells_per_unit = (1.0 / radius as f32).min(30_000.0 / extent.max_element());
+    let columns = (extent.x * cells_per_unit) as u32 + 1;
+    let row_mask = (1u32 << ((1u32 << KEY_BITS) - columns).ilog2()) - 1;
+    let key = |p: Vec3| {
+        // the same arithmetic as shaders/shared/grid.wgsl
+        let cell = ((p - scene.bounds[0]) * cells_per_unit).floor().as_ivec3();
+        let row = (cell.y as u32).wrapping_mul(19_349_663) ^ (cell.z as u32).wrapping_mul(83_492_791);
+        (row & row_mask) + (cell.x.clamp(0, columns as i32 - 1) as u32)
+    };
+    let mut starts = vec![0u32; AREA_STARTS];
+    let keys: Vec<u32> = points.iter().map(|p| key(p.position)).collect();
+    for &k in &keys {
+        starts[k as usize + 1] += 1;
+    }
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+    }
+    let mut next = starts.clone();
+    let mut sorted = vec![AreaPoint { position: Vec3::ZERO, normal: 0 }; points.len()];
+    for (p, &k) in points.iter().zip(&keys) {
+        sorted[next[k as usize] as usize] = encode_area_point(p);
+        next[k as usize] += 1;
+    }
+    AreaGrid { points: sorted, starts, each, cells_per_unit, row_mask, columns }
+}

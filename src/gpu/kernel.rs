@@ -1,0 +1,230 @@
+//! Kernels: WGSL to pipeline. The bindings are read off the module, so that a name in WGSL is all that ties a buffer
+//! to a kernel.
+
+use super::context::Context;
+use super::shaders;
+use crate::error::{Error, Result};
+use std::collections::HashMap;
+
+/// A compiled kernel.
+pub struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    layouts: Vec<wgpu::BindGroupLayout>,
+    bindings: Vec<Binding>,
+}
+
+/// One binding of a kernel.
+#[derive(Debug, Clone)]
+struct Binding {
+    group: u32,
+    binding: u32,
+    name: String,
+    /// Size of a uniform's struct.
+    uniform_size: Option<u64>,
+}
+
+/// Uniforms that differ from dispatch to dispatch, bound with an offset into the ring.
+const DYNAMIC: [&str; 4] = ["pass_info", "map_info", "scan_info", "sort_info"];
+
+/// Buffers by the names that kernels use.
+pub type Buffers = HashMap<&'static str, wgpu::Buffer>;
+
+/// A kernel with its buffers, ready to be dispatched.
+pub struct Step {
+    pipeline: wgpu::ComputePipeline,
+    groups: Vec<wgpu::BindGroup>,
+    /// Names of the dynamic uniforms in each group, in the order of their bindings.
+    dynamic: Vec<Vec<String>>,
+}
+
+/// Workgroup size of every kernel.
+const WORKGROUP: u32 = 64;
+/// Workgroups in one dimension of a dispatch.
+const GROUPS_MAX: u32 = 65_535;
+
+impl Kernel {
+    /// Compile `entry` of a shader file with values for its overrides (those it does not declare are left out).
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the shader does not compile.
+    pub fn new(context: &Context, path: &str, entry: &str, overrides: &[(&str, f64)]) -> Result<Self> {
+        Self::from_source(context, path, &shaders::link(path)?, entry, overrides)
+    }
+
+    /// Like [`Kernel::new`] for a linked text.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the shader does not compile.
+    pub fn from_source(
+        context: &Context,
+        label: &str,
+        source: &str,
+        entry: &str,
+        overrides: &[(&str, f64)],
+    ) -> Result<Self> {
+        let failed = |what: String| Error::device(format!("{label}: {what}"), "report this as a bug of joton");
+        let module =
+            naga::front::wgsl::parse_str(source).map_err(|e| failed(e.emit_to_string_with_path(source, label)))?;
+        let bindings = reflect(&module);
+        let constants: Vec<(&str, f64)> = overrides
+            .iter()
+            .copied()
+            .filter(|(name, _)| module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(name)))
+            .collect();
+        let groups = bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
+        let layouts: Vec<wgpu::BindGroupLayout> = (0..groups)
+            .map(|group| {
+                let entries: Vec<wgpu::BindGroupLayoutEntry> =
+                    bindings.iter().filter(|b| b.group == group).map(|b| b.layout_entry(&module)).collect();
+                context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                    label: Some(label),
+                    entries: &entries,
+                })
+            })
+            .collect();
+        let layout_refs: Vec<Option<&wgpu::BindGroupLayout>> = layouts.iter().map(Some).collect();
+        let pipeline_layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &layout_refs,
+            immediate_size: 0,
+        });
+        let shader = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(label),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let pipeline = context.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&pipeline_layout),
+            module: &shader,
+            entry_point: Some(entry),
+            cache: None,
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants,
+                zero_initialize_workgroup_memory: false,
+            },
+        });
+        context.check()?;
+        Ok(Self { pipeline, layouts, bindings })
+    }
+
+    /// Bind buffers by name; `renamed` gives for a name in the kernel the name of the buffer to use.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where a buffer is missing.
+    pub fn bind(&self, context: &Context, buffers: &Buffers, renamed: &[(&str, &'static str)]) -> Result<Step> {
+        let buffer_of = |b: &Binding| {
+            let name = if DYNAMIC.contains(&b.name.as_str()) {
+                "ring"
+            } else {
+                renamed.iter().find(|(from, _)| *from == b.name).map_or(b.name.as_str(), |(_, to)| to)
+            };
+            buffers
+                .get(name)
+                .ok_or_else(|| Error::device(format!("no buffer is called {name}"), "report this as a bug of joton"))
+        };
+        let mut groups = Vec::new();
+        let mut dynamic = Vec::new();
+        for (group, layout) in self.layouts.iter().enumerate() {
+            let here = || self.bindings.iter().filter(move |b| b.group == group as u32);
+            let mut entries = Vec::new();
+            for b in here() {
+                let buffer = buffer_of(b)?;
+                entries.push(wgpu::BindGroupEntry {
+                    binding: b.binding,
+                    resource: match b.uniform_size {
+                        Some(size) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                            buffer,
+                            offset: 0,
+                            size: std::num::NonZeroU64::new(size),
+                        }),
+                        None => buffer.as_entire_binding(),
+                    },
+                });
+            }
+            groups.push(context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout,
+                entries: &entries,
+            }));
+            dynamic.push(here().filter(|b| DYNAMIC.contains(&b.name.as_str())).map(|b| b.name.clone()).collect());
+        }
+        context.check()?;
+        Ok(Step { pipeline: self.pipeline.clone(), groups, dynamic })
+    }
+}
+
+impl Binding {
+    fn layout_entry(&self, module: &naga::Module) -> wgpu::BindGroupLayoutEntry {
+        let variable = module
+            .global_variables
+            .iter()
+            .find(|(_, v)| v.name.as_deref() == Some(self.name.as_str()))
+            .map(|(_, v)| v.space);
+        let read_only = matches!(variable, Some(naga::AddressSpace::Storage { access }) if !access.contains(naga::StorageAccess::STORE));
+        wgpu::BindGroupLayoutEntry {
+            binding: self.binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: if self.uniform_size.is_some() {
+                    wgpu::BufferBindingType::Uniform
+                } else {
+                    wgpu::BufferBindingType::Storage { read_only }
+                },
+                has_dynamic_offset: DYNAMIC.contains(&self.name.as_str()),
+                min_binding_size: None,
+            },
+            count: None,
+        }
+    }
+}
+
+/// The buffer bindings of a module, by group and binding.
+fn reflect(module: &naga::Module) -> Vec<Binding> {
+    let mut layouter = naga::proc::Layouter::default();
+    // a type that cannot be laid out is reported by the compiler proper
+    layouter.update(module.to_ctx()).ok();
+    let mut bindings: Vec<Binding> = module
+        .global_variables
+        .iter()
+        .filter_map(|(_, v)| {
+            let at = v.binding.as_ref()?;
+            let uniform = matches!(v.space, naga::AddressSpace::Uniform);
+            Some(Binding {
+                group: at.group,
+                binding: at.binding,
+                name: v.name.clone().unwrap_or_default(),
+                uniform_size: uniform.then(|| u64::from(layouter[v.ty].size)),
+            })
+        })
+        .collect();
+    bindings.sort_by_key(|b| (b.group, b.binding));
+    bindings
+}
+
+/// Offsets into the ring, by the names of the dynamic uniforms.
+pub(super) type Offsets<'a> = &'a [(&'a str, u32)];
+
+impl Step {
+    /// Record a dispatch of at least `invocations`.
+    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, offsets: Offsets<'_>, invocations: u32) {
+        let groups = invocations.div_ceil(WORKGROUP);
+        if groups == 0 {
+            return;
+        }
+        let x = groups.min(GROUPS_MAX);
+        self.dispatch_groups(pass, offsets, x, groups.div_ceil(x));
+    }
+
+    /// Record a dispatch of `x` × `y` workgroups.
+    pub fn dispatch_groups(&self, pass: &mut wgpu::ComputePass<'_>, offsets: Offsets<'_>, x: u32, y: u32) {
+        pass.set_pipeline(&self.pipeline);
+        for (i, group) in self.groups.iter().enumerate() {
+            let at: Vec<u32> = self.dynamic[i]
+                .iter()
+                .map(|name| offsets.iter().find(|(n, _)| n == name).map_or(0, |(_, at)| *at))
+                .collect();
+            pass.set_bind_group(i as u32, group, &at);
+        }
+        pass.dispatch_workgroups(x, y, 1);
+    }
+}

@@ -1,0 +1,512 @@
+//! The GPU backend: passes as WGSL compute kernels through wgpu.
+
+mod area;
+mod context;
+mod kernel;
+mod map;
+mod ring;
+mod scene_buffers;
+mod shaders;
+
+pub use context::{Context, adapters};
+pub use kernel::{Buffers, Kernel, Step};
+pub use shaders::{SOURCES, link, link_source};
+
+use crate::backend::{Backend, Batch, Tally};
+use crate::bands::{BANDS, Bands};
+use crate::error::{Error, Result};
+use crate::film::{LAYERS, Layer};
+use crate::layout::{Fit, GatherPoint, LaneTally, PassInfo, PathFilter, status};
+use crate::pack::PackedScene;
+use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
+use map::{Kind, Map, MapKernels, Shape};
+use ring::Ring;
+use std::sync::Arc;
+
+/// Random numbers of the pilot pass: those of no pass that is rendered.
+const PILOT_PASS: u32 = u32::MAX;
+/// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
+const JOTONS_PER_LANE_SOFTWARE: u32 = 32;
+/// On a GPU thousands of lanes run together.
+const JOTONS_PER_LANE: u32 = 4;
+/// Room for lanes that store more than the pilot's fullest one.
+const CAPACITY_SLACK: f64 = 1.5;
+/// The area points are scattered anew after this many passes, so that their own error averages out.
+const AREA_PASSES: u64 = 16;
+/// Dispatches of the trace kernel that are tried before the device is taken for broken.
+const DISPATCHES_MAX: u32 = 1 << 16;
+
+/// Films of the layers, in the order of [`Layer::ALL`].
+const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
+
+/// The GPU backend.
+pub struct GpuBackend {
+    context: Context,
+    scene: Arc<PackedScene>,
+    plan: Plan,
+    buffers: Buffers,
+    kernels: Kernels,
+    steps: Option<Steps>,
+    shapes: Shapes,
+    area: Option<AreaState>,
+    ring: Ring,
+    staging: Option<wgpu::Buffer>,
+}
+
+/// The compiled kernels.
+struct Kernels {
+    eye: Kernel,
+    direct: Option<Kernel>,
+    trace: [Option<Kernel>; 2],
+    gather: [Option<Kernel>; 2],
+    boundary: Option<Kernel>,
+    caustic_count: Option<Kernel>,
+    caustic_radius: Option<Kernel>,
+    map: Option<MapKernels>,
+}
+
+/// The kernels with their buffers.
+struct Steps {
+    eye: Step,
+    direct: Option<Step>,
+    boundary: Option<Step>,
+    maps: Vec<(Map, Step)>,
+    pilot: Option<[Step; 2]>,
+}
+
+/// How each map is cut into lanes; none where it is skipped.
+#[derive(Clone, Copy)]
+struct Shapes {
+    caustic: Option<Shape>,
+    diffuse: Option<Shape>,
+}
+
+/// The area points that are on the device.
+struct AreaState {
+    first_pass: u64,
+    radius: f64,
+    each: f32,
+    cells_per_unit: f32,
+    row_mask: u32,
+    columns: u32,
+}
+
+impl GpuBackend {
+    /// Compile the kernels, upload the scene and run the pilot pass.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the device fails, [`Error::Capacity`] where the scene does not fit.
+    pub fn new(context: Context, scene: Arc<PackedScene>, plan: Plan) -> Result<Self> {
+        let kernels = Kernels::new(&context, &plan)?;
+        let buffers = scene_buffers::upload(&context, &scene, &plan)?;
+        let lanes = |emitted: u32| {
+            let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
+            (emitted > 0).then(|| Shape { emitted, lanes: emitted.div_ceil(per_lane), lane_capacity: 1, dispatches: 1 })
+        };
+        let shapes = Shapes { caustic: lanes(plan.caustic_jotons), diffuse: lanes(plan.diffuse_jotons) };
+        let ring = Ring::new(&context);
+        let mut backend = Self {
+            context,
+            scene,
+            plan,
+            buffers,
+            kernels,
+            steps: None,
+            shapes,
+            area: None,
+            ring,
+            staging: None,
+        };
+        backend.shape_lanes()?;
+        backend.choose_caustic_radii()?;
+        Ok(backend)
+    }
+
+    /// Find out how often the trace kernel must be dispatched and how much a lane stores, by tracing the pilot pass.
+    fn shape_lanes(&mut self) -> Result<()> {
+        loop {
+            self.bind()?;
+            let mut settled = true;
+            for kind in [Kind::Caustic, Kind::Diffuse] {
+                let Some(shape) = self.shapes.of(kind) else { continue };
+                let found = self.pilot_map(kind, false)?;
+                let stored = found[status::LANE_STORED_MAX as usize];
+                let mut wanted = shape;
+                if found[status::UNFINISHED as usize] > 0 {
+                    wanted.dispatches = shape.dispatches * 2;
+                    settled = false;
+                    if wanted.dispatches > DISPATCHES_MAX {
+                        return Err(Error::device("a joton's path does not end", "report this as a bug of joton"));
+                    }
+                } else if stored > shape.lane_capacity {
+                    wanted.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32 + 4;
+                    settled = false;
+                }
+                *self.shapes.of_mut(kind) = Some(wanted);
+            }
+            if settled {
+                // one dispatch more than the pilot needed: other passes take a little longer
+                for kind in [Kind::Caustic, Kind::Diffuse] {
+                    if let Some(shape) = self.shapes.of_mut(kind) {
+                        shape.dispatches += 1 + shape.dispatches / 2;
+                    }
+                }
+                return self.bind();
+            }
+        }
+    }
+
+    /// (Re)create the buffers that depend on the shapes, and bind every step.
+    fn bind(&mut self) -> Result<()> {
+        let context = &self.context;
+        let pixels = self.scene.pixels() as u64;
+        let shapes: Vec<Shape> = [self.shapes.caustic, self.shapes.diffuse].into_iter().flatten().collect();
+        let mut sizes = map::buffer_sizes(&shapes, context.is_software());
+        sizes.extend([
+            ("gather_points", pixels * size_of::<GatherPoint>() as u64),
+            ("fits", pixels * size_of::<Fit>() as u64),
+            ("radii", pixels * size_of::<Fit>() as u64),
+            ("counts", pixels * 4),
+            ("status", u64::from(status::SLOTS) * 4),
+            ("area_starts", area::AREA_STARTS as u64 * 4),
+        ]);
+        sizes.extend(FILMS.map(|f| (f, pixels * 16)));
+        map::check_capacity(context, &sizes)?;
+        for (name, size) in sizes {
+            if self.buffers.get(name).is_none_or(|b| b.size() < size) {
+                self.buffers.insert(name, scene_buffers::storage(context, name, size));
+            }
+        }
+        if !self.buffers.contains_key("area_points") {
+            self.buffers.insert("area_points", scene_buffers::storage(context, "area_points", 16));
+        }
+        context.check()?;
+        let (kernels, buffers) = (&self.kernels, &self.buffers);
+        let mut maps = Vec::new();
+        for (kind, film, fits) in [(Kind::Caustic, "film_caustic", "radii"), (Kind::Diffuse, "film_diffuse", "fits")] {
+            let i = kind as usize;
+            if let (Some(shape), Some(trace), Some(gather), Some(map)) =
+                (self.shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
+            {
+                let gather = gather.bind(context, buffers, &[("film", film), ("fits", fits)])?;
+                maps.push((Map::new(context, kind, shape, trace, map, buffers)?, gather));
+            }
+        }
+        let optional = |k: &Option<Kernel>, names: &[(&str, &'static str)]| {
+            k.as_ref().map(|k| k.bind(context, buffers, names)).transpose()
+        };
+        let pilot = match (&kernels.caustic_count, &kernels.caustic_radius) {
+            (Some(count), Some(radius)) => {
+                Some([count.bind(context, buffers, &[])?, radius.bind(context, buffers, &[("fits", "radii")])?])
+            }
+            _ => None,
+        };
+        self.steps = Some(Steps {
+            eye: kernels.eye.bind(context, buffers, &[])?,
+            direct: optional(&kernels.direct, &[])?,
+            boundary: optional(&kernels.boundary, &[])?,
+            maps,
+            pilot,
+        });
+        Ok(())
+    }
+
+    fn pass_info(&self, pass: u32) -> PassInfo {
+        let c = &self.scene.camera;
+        PassInfo {
+            eye: c.eye,
+            width: self.scene.size[0],
+            right: c.right,
+            height: self.scene.size[1],
+            up: c.up,
+            seed: self.plan.settings.seed,
+            forward: c.forward,
+            pass_index: pass,
+            pixel_angle: self.scene.pixel_angle(),
+            shadow_rays: self.plan.settings.shadow_rays,
+            emitters: self.scene.emitters.len() as u32,
+            targets: self.scene.targets.len() as u32,
+        }
+    }
+
+    /// Fill one map from the pilot pass and, with `radii`, choose the caustic radii from it; the status words.
+    fn pilot_map(&mut self, kind: Kind, radii: bool) -> Result<Vec<u32>> {
+        let Some(steps) = &self.steps else { return Ok(vec![0; status::SLOTS as usize]) };
+        let Some((map, _)) = steps.maps.iter().find(|(m, _)| m.kind == kind) else {
+            return Ok(vec![0; status::SLOTS as usize]);
+        };
+        self.ring.clear();
+        let pass_info = self.ring.push(&self.pass_info(PILOT_PASS));
+        let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
+        let info = map.info(&self.scene, schedule, 0, PILOT_PASS);
+        let mut encoder = self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.clear_buffer(&self.buffers["lanes"], 0, None);
+        encoder.clear_buffer(&self.buffers["status"], 0, None);
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            map.record(&mut pass, &mut self.ring, pass_info, &info);
+            if let (true, Some([count, radius])) = (radii, &steps.pilot) {
+                let map_info = self.ring.push(&info);
+                let at = [("pass_info", pass_info), ("map_info", map_info)];
+                let pixels = self.scene.pixels() as u32;
+                steps.eye.dispatch(&mut pass, &at, pixels);
+                count.dispatch(&mut pass, &at, pixels);
+                radius.dispatch(&mut pass, &at, pixels);
+            }
+        }
+        self.ring.write(&self.context, &self.buffers["ring"]);
+        self.context.queue.submit([encoder.finish()]);
+        let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
+        Ok(bytemuck::pod_collect_to_vec(&words[0]))
+    }
+
+    fn choose_caustic_radii(&mut self) -> Result<()> {
+        if self.shapes.caustic.is_some() {
+            self.pilot_map(Kind::Caustic, true)?;
+        }
+        Ok(())
+    }
+
+    /// Put fresh area points on the device where those there are old or too sparse for the radius of `pass`.
+    fn renew_area_points(&mut self, pass: u64) -> Result<()> {
+        let radius = self.plan.diffuse.radius(pass);
+        if self.area.as_ref().is_some_and(|a| pass.abs_diff(a.first_pass) < AREA_PASSES && a.radius >= radius) {
+            return Ok(());
+        }
+        let grid = area::build(&self.scene, radius, pass as u32);
+        let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
+        if self.buffers["area_points"].size() < bytes.len() as u64 {
+            let size = (bytes.len() as u64 * 2).min(area::AREA_POINTS_MAX as u64 * 16 + 16);
+            self.buffers.insert("area_points", scene_buffers::storage(&self.context, "area_points", size));
+            self.bind()?;
+        }
+        self.context.queue.write_buffer(&self.buffers["area_points"], 0, bytes);
+        self.context.queue.write_buffer(&self.buffers["area_starts"], 0, bytemuck::cast_slice(&grid.starts));
+        self.area = Some(AreaState {
+            first_pass: pass,
+            radius,
+            each: grid.each,
+            cells_per_unit: grid.cells_per_unit,
+            row_mask: grid.row_mask,
+            columns: grid.columns,
+        });
+        Ok(())
+    }
+
+    /// Record and submit one pass.
+    fn submit_pass(&mut self, pass_number: u64) -> Result<()> {
+        if self.shapes.diffuse.is_some() {
+            self.renew_area_points(pass_number)?;
+        }
+        let pass_index = pass_number as u32;
+        self.ring.clear();
+        let pass_info = self.ring.push(&self.pass_info(pass_index));
+        let Some(steps) = &self.steps else { return Ok(()) };
+        let pixels = self.scene.pixels() as u32;
+        let mut encoder = self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let at = [("pass_info", pass_info)];
+            steps.eye.dispatch(&mut pass, &at, pixels);
+            if let Some(direct) = &steps.direct {
+                direct.dispatch(&mut pass, &at, pixels);
+            }
+        }
+        for (map, gather) in &steps.maps {
+            let schedule = if map.kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
+            let mut info = map.info(&self.scene, schedule, pass_number, pass_index);
+            if let (Kind::Diffuse, Some(area)) = (map.kind, &self.area) {
+                info.area_each = area.each;
+                info.area_cells_per_unit = area.cells_per_unit;
+                info.area_row_mask = area.row_mask;
+                info.area_columns = area.columns;
+            }
+            encoder.clear_buffer(&self.buffers["lanes"], 0, None);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            map.record(&mut pass, &mut self.ring, pass_info, &info);
+            let map_info = self.ring.push(&info);
+            let at = [("pass_info", pass_info), ("map_info", map_info)];
+            if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
+                boundary.dispatch(&mut pass, &at, pixels);
+            }
+            gather.dispatch(&mut pass, &at, pixels);
+        }
+        self.ring.write(&self.context, &self.buffers["ring"]);
+        self.context.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+
+    fn clear_films(&self) {
+        let mut encoder = self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for name in FILMS.into_iter().chain(["status", "tallies_caustic", "tallies_diffuse"]) {
+            encoder.clear_buffer(&self.buffers[name], 0, None);
+        }
+        self.context.queue.submit([encoder.finish()]);
+    }
+
+    /// What the kernels reported of a batch: adapt and say so where it must be rendered again.
+    fn must_repeat(&mut self, words: &[u32]) -> Result<bool> {
+        let unfinished = words[status::UNFINISHED as usize] > 0;
+        let stored = words[status::LANE_STORED_MAX as usize];
+        let cut = words[status::LOOP_CUT as usize] > 0;
+        if !unfinished && stored == 0 && !cut {
+            return Ok(false);
+        }
+        for kind in [Kind::Caustic, Kind::Diffuse] {
+            if let Some(shape) = self.shapes.of_mut(kind) {
+                if unfinished {
+                    shape.dispatches = (shape.dispatches * 2).min(DISPATCHES_MAX);
+                }
+                if stored > shape.lane_capacity {
+                    shape.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32;
+                }
+                if cut {
+                    // the driver ended a loop early: fewer jotons a pass make shorter loops
+                    shape.emitted = (shape.emitted / 2).max(1);
+                    shape.lanes = shape.lanes.min(shape.emitted);
+                }
+            }
+        }
+        self.bind()?;
+        Ok(true)
+    }
+}
+
+impl Backend for GpuBackend {
+    fn describe(&self) -> String {
+        let i = &self.context.info;
+        let kind = if self.context.is_software() { "software" } else { "GPU" };
+        format!("{} ({kind}, {:?}, {} {})", i.name, i.backend, i.driver, i.driver_info)
+    }
+
+    fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+        let (films, words, tallies) = loop {
+            self.clear_films();
+            for pass in first..first + u64::from(count) {
+                self.submit_pass(pass)?;
+            }
+            let mut sources: Vec<&wgpu::Buffer> = vec![
+                &self.buffers["status"],
+                &self.buffers["tallies_caustic"],
+                &self.buffers["tallies_diffuse"],
+            ];
+            sources.extend(FILMS.map(|f| &self.buffers[f]));
+            let mut read = self.context.read(&mut self.staging, &sources)?;
+            let words: Vec<u32> = bytemuck::pod_collect_to_vec(&read[0]);
+            if !self.must_repeat(&words)? {
+                let films = read.split_off(3);
+                break (films, words, read);
+            }
+        };
+        let mut batch = Batch { layers: std::array::from_fn(|_| Vec::new()), tally: Tally::default() };
+        for (layer, bytes) in batch.layers.iter_mut().zip(&films) {
+            let pixels: &[[f32; 4]] = bytemuck::cast_slice(bytes);
+            *layer = pixels[..self.scene.pixels()].iter().map(|p| keep_finite(p, &mut batch.tally.non_finite)).collect();
+        }
+        let t = &mut batch.tally;
+        t.rays = u64::from(words[status::RAYS as usize]);
+        t.truncated = u64::from(words[status::TRUNCATED as usize]);
+        let emitted = |s: Option<Shape>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
+        t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);
+        for (i, bytes) in tallies[1..].iter().enumerate() {
+            let lanes: Vec<LaneTally> = bytemuck::pod_collect_to_vec(bytes);
+            for lane in &lanes {
+                t.rays += u64::from(lane.rays);
+                t.jotons_stored += u64::from(lane.stored);
+                if i == Kind::Diffuse as usize {
+                    for b in 0..BANDS {
+                        t.emitted[b] += f64::from(lane.emitted[b]);
+                        t.absorbed[b] += f64::from(lane.absorbed[b]);
+                        t.escaped[b] += f64::from(lane.escaped[b]);
+                    }
+                }
+            }
+        }
+        Ok(batch)
+    }
+}
+
+/// A pixel, or black and counted where a band is not finite (tested by bits).
+fn keep_finite(p: &[f32; 4], non_finite: &mut u64) -> Bands {
+    let bands: Bands = std::array::from_fn(|b| p[b]);
+    if bands.iter().all(|x| x.to_bits() & 0x7f80_0000 != 0x7f80_0000) {
+        return bands;
+    }
+    *non_finite += 1;
+    [0.0; BANDS]
+}
+
+impl Shapes {
+    fn of(&self, kind: Kind) -> Option<Shape> {
+        match kind {
+            Kind::Caustic => self.caustic,
+            Kind::Diffuse => self.diffuse,
+        }
+    }
+
+    fn of_mut(&mut self, kind: Kind) -> &mut Option<Shape> {
+        match kind {
+            Kind::Caustic => &mut self.caustic,
+            Kind::Diffuse => &mut self.diffuse,
+        }
+    }
+}
+
+impl Kernels {
+    fn new(context: &Context, plan: &Plan) -> Result<Self> {
+        let f = &plan.features;
+        let flag = |on: bool| if on { 1.0 } else { 0.0 };
+        let features = [
+            ("HAS_SMOOTH", flag(f.smooth_normals)),
+            ("HAS_SPECULAR", flag(f.specular)),
+            ("HAS_DIELECTRIC", flag(f.dielectric)),
+            ("HAS_GLOSSY", flag(f.glossy)),
+            ("HAS_PATH_FILTER", flag(f.path_filter)),
+        ];
+        let compile = |path: &str| Kernel::new(context, path, "main", &features);
+        let with = |path: &str, caustic: bool| {
+            let mut overrides = features.to_vec();
+            overrides.push(("CAUSTIC", flag(caustic)));
+            Kernel::new(context, path, "main", &overrides)
+        };
+        let (caustic, diffuse) = (plan.traces(Layer::Caustic), plan.traces(Layer::Diffuse));
+        let optional = |on: bool, k: &dyn Fn() -> Result<Kernel>| on.then(k).transpose();
+        let pilot = [
+            ("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])),
+            ("RADIUS_FOOTPRINTS_MIN", f64::from(CAUSTIC_FOOTPRINTS[0])),
+            ("WANTED", f64::from(CAUSTIC_WANTED)),
+        ];
+        Ok(Self {
+            eye: compile("eye.wgsl")?,
+            direct: optional(plan.traces(Layer::Direct), &|| compile("direct.wgsl"))?,
+            trace: [
+                optional(caustic, &|| with("trace.wgsl", true))?,
+                optional(diffuse, &|| with("trace.wgsl", false))?,
+            ],
+            gather: [
+                optional(caustic, &|| with("gather.wgsl", true))?,
+                optional(diffuse, &|| with("gather.wgsl", false))?,
+            ],
+            boundary: optional(diffuse, &|| compile("boundary.wgsl"))?,
+            caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
+            caustic_radius: optional(caustic, &|| Kernel::new(context, "caustic_radius.wgsl", "main", &pilot))?,
+            map: (caustic || diffuse).then(|| MapKernels::new(context)).transpose()?,
+        })
+    }
+}
+
+/// The uniform of the path filter.
+fn path_filter(plan: &Plan) -> PathFilter {
+    let paths = &plan.settings.paths;
+    let mut filter = PathFilter { transitions: [[0; 4]; 16], accept: [[0; 4]; 16] };
+    for (state, next) in paths.transitions().into_iter().enumerate() {
+        for (event, to) in next.into_iter().enumerate() {
+            let word = 2 * state + event;
+            filter.transitions[word / 4][word % 4] = to;
+        }
+    }
+    for k in 0..64 {
+        filter.accept[k / 4][k % 4] = paths.accept_mask_after_specular(k as u32);
+    }
+    filter
+}

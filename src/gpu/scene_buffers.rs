@@ -1,0 +1,90 @@
+//! The scene on the device: nodes, triangles, normals, materials, emitters and the uniforms that never change.
+
+use super::context::Context;
+use super::kernel::Buffers;
+use super::map;
+use super::path_filter;
+use super::ring::RING_BYTES;
+use crate::error::Result;
+use crate::layout::AreaPoint;
+use crate::pack::{PackedScene, Target};
+use crate::plan::Plan;
+use glam::{Vec2, Vec3};
+
+/// Targets that the uniform holds.
+const TARGETS: usize = 16;
+
+/// Upload a scene.
+///
+/// # Errors
+/// [`crate::Error::Capacity`] where it does not fit.
+pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Buffers> {
+    let nodes = scene.bvh.nodes();
+    let normals: Vec<[u32; 4]> = if scene.shading_normals.is_empty() {
+        vec![[0; 4]]
+    } else {
+        scene.shading_normals.iter().map(|n| [encode(n[0]), encode(n[1]), encode(n[2]), 0]).collect()
+    };
+    let mut targets = [Target { center: Vec3::ZERO, radius: 0.0 }; TARGETS];
+    targets[..scene.targets.len()].copy_from_slice(&scene.targets);
+    let mut buffers = Buffers::new();
+    let contents: [(&'static str, &[u8]); 5] = [
+        ("nodes", bytemuck::cast_slice(&nodes)),
+        ("triangles", bytemuck::cast_slice(&scene.triangles)),
+        ("shading_normals", bytemuck::cast_slice(&normals)),
+        ("materials", bytemuck::cast_slice(&scene.materials)),
+        ("emitters", bytemuck::cast_slice(&scene.emitters)),
+    ];
+    map::check_capacity(context, &contents.map(|(name, bytes)| (name, bytes.len() as u64)))?;
+    for (name, bytes) in contents {
+        let buffer = storage(context, name, bytes.len() as u64);
+        context.queue.write_buffer(&buffer, 0, bytes);
+        buffers.insert(name, buffer);
+    }
+    let filter = path_filter(plan);
+    for (name, bytes) in [("targets", bytemuck::bytes_of(&targets)), ("path_filter", bytemuck::bytes_of(&filter))] {
+        let buffer = uniform(context, name, bytes.len() as u64);
+        context.queue.write_buffer(&buffer, 0, bytes);
+        buffers.insert(name, buffer);
+    }
+    buffers.insert("ring", uniform(context, "ring", RING_BYTES));
+    context.check()?;
+    Ok(buffers)
+}
+
+/// A storage buffer that can be written, cleared and read back.
+pub(super) fn storage(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
+    context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(name),
+        size: size.next_multiple_of(16).max(16),
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    })
+}
+
+fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
+    context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(name),
+        size,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// A unit vector in 32 bits, as shaders/shared/sampling.wgsl encodes it.
+pub(super) fn encode(n: Vec3) -> u32 {
+    let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
+    let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+    let e = if n.z < 0.0 {
+        Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y))
+    } else {
+        p
+    };
+    let snorm = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32_767.0).round() as i16 as u16);
+    snorm(e.x) | snorm(e.y) << 16
+}
+
+/// An area point as the kernels read it.
+pub(super) fn encode_area_point(p: &crate::pack::AreaPoint) -> AreaPoint {
+    AreaPoint { position: p.position, normal: encode(p.normal) }
+}

@@ -1,0 +1,83 @@
+//! The WGSL sources, linked: a file names what it needs in `// import: shared/x.wgsl` lines; WGSL takes declarations
+//! in any order, so each file is appended once.
+
+use crate::error::{Error, Result};
+use crate::layout;
+
+macro_rules! sources {
+    ($($path:literal),* $(,)?) => {
+        /// Every shader file: path under shaders/, text.
+        pub const SOURCES: &[(&str, &str)] = &[$(($path, include_str!(concat!("../../shaders/", $path)))),*];
+    };
+}
+
+sources![
+    "eye.wgsl",
+    "direct.wgsl",
+    "trace.wgsl",
+    "lane_counts.wgsl",
+    "scan.wgsl",
+    "map_keys.wgsl",
+    "radix.wgsl",
+    "map_starts.wgsl",
+    "map_reorder.wgsl",
+    "boundary.wgsl",
+    "gather.wgsl",
+    "caustic_count.wgsl",
+    "caustic_radius.wgsl",
+    "shared/rng.wgsl",
+    "shared/sampling.wgsl",
+    "shared/bsdf.wgsl",
+    "shared/intersect.wgsl",
+    "shared/surface.wgsl",
+    "shared/scatter.wgsl",
+    "shared/emitter.wgsl",
+    "shared/emit.wgsl",
+    "shared/paths.wgsl",
+    "shared/grid.wgsl",
+    "shared/index.wgsl",
+    "shared/scene.wgsl",
+    "shared/features.wgsl",
+];
+
+/// A kernel file with everything it imports and the shared structs.
+///
+/// # Errors
+/// [`Error::Device`] where an import names no file.
+pub fn link(path: &str) -> Result<String> {
+    let text = find(path)?;
+    link_source(text)
+}
+
+/// Like [`link`], for a text that is no file (tests of shared functions).
+///
+/// # Errors
+/// [`Error::Device`] where an import names no file.
+pub fn link_source(text: &str) -> Result<String> {
+    let mut linked = layout::declarations();
+    let mut done: Vec<&str> = Vec::new();
+    append(text, &mut linked, &mut done)?;
+    Ok(linked)
+}
+
+fn append<'a>(text: &'a str, linked: &mut String, done: &mut Vec<&'a str>) -> Result<()> {
+    for line in text.lines() {
+        if let Some(path) = line.strip_prefix("// import: ") {
+            let path = path.trim();
+            if !done.contains(&path) {
+                done.push(path);
+                append(find(path)?, linked, done)?;
+            }
+        }
+    }
+    linked.push_str(text);
+    Ok(())
+}
+
+fn find(path: &str) -> Result<&'static str> {
+    SOURCES
+        .iter()
+        .find(|(name, _)| *name == path)
+        .map(|(_, text)| *text)
+        .ok_or_else(|| Error::device(format!("shader file {path} does not exist"), "add it to gpu/shaders.rs"))
+}

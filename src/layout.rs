@@ -1,0 +1,310 @@
+//! Layout: structs and constants that Rust and WGSL share, written once, here, and rendered to WGSL.
+//!
+//! A test holds every struct against naga's offsets and reads a pattern back on the device.
+
+use crate::bands::Bands;
+use glam::{Vec3, Vec4};
+
+/// A struct that exists on both sides.
+pub trait GpuStruct: bytemuck::Pod {
+    /// Its name, the same in WGSL.
+    const NAME: &'static str;
+    /// Its declaration in WGSL.
+    const WGSL: &'static str;
+    /// Name and offset of every field on the Rust side.
+    fn offsets() -> Vec<(&'static str, usize)>;
+}
+
+/// Declare a struct once for both sides. Field types are f32, u32, Vec3, Vec4, UVec4, Bands and arrays of these by an
+/// alias; a Vec3 or Bands is followed by a scalar, so that both sides agree on the padding.
+macro_rules! gpu_struct {
+    ($(#[$meta:meta])* pub struct $name:ident { $($(#[$field_meta:meta])* pub $field:ident: $ty:ident,)* }) => {
+        $(#[$meta])*
+        #[repr(C)]
+        #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct $name { $($(#[$field_meta])* pub $field: $ty,)* }
+
+        impl $crate::layout::GpuStruct for $name {
+            const NAME: &'static str = stringify!($name);
+            const WGSL: &'static str = concat!(
+                "struct ", stringify!($name), " {\n",
+                $("    ", stringify!($field), ": ", stringify!($ty), ",\n",)*
+                "}\n"
+            );
+            fn offsets() -> Vec<(&'static str, usize)> {
+                vec![$((stringify!($field), std::mem::offset_of!($name, $field)),)*]
+            }
+        }
+    };
+}
+pub(crate) use gpu_struct;
+
+/// The WGSL names of the Rust types that fields have.
+pub const ALIASES: &str = "alias Vec3 = vec3<f32>;\nalias Vec4 = vec4<f32>;\nalias Bands = vec3<f32>;\n\
+    alias Table = array<vec4<u32>, 16>;\n";
+
+/// Sixty-four words in a uniform buffer.
+pub type Table = [[u32; 4]; 16];
+
+gpu_struct! {
+    /// What is the same for all kernels of a pass; a uniform, one slot for each pass of a submission.
+    pub struct PassInfo {
+        /// Eye point.
+        pub eye: Vec3,
+        /// Image width, pixels.
+        pub width: u32,
+        /// Right, scaled by the tangent of half the field of view.
+        pub right: Vec3,
+        /// Image height, pixels.
+        pub height: u32,
+        /// Up, scaled likewise.
+        pub up: Vec3,
+        /// The user's seed.
+        pub seed: u32,
+        /// Unit view direction.
+        pub forward: Vec3,
+        /// Index of the pass, from 0.
+        pub pass_index: u32,
+        /// Width of a pixel at unit distance.
+        pub pixel_angle: f32,
+        /// Shadow rays for each gather point.
+        pub shadow_rays: u32,
+        /// Number of emitters.
+        pub emitters: u32,
+        /// Number of targets of aimed emission.
+        pub targets: u32,
+    }
+}
+
+gpu_struct! {
+    /// One map in one pass: how it is filled, sorted and read; a uniform, one slot for each map and pass.
+    pub struct MapInfo {
+        /// Lower corner of the grid.
+        pub grid_origin: Vec3,
+        /// One over the width of a cell; a cell is as wide as the largest gather radius.
+        pub cells_per_unit: f32,
+        /// Gather radius; of the caustic map the largest one.
+        pub radius: f32,
+        /// Factor on the squared base radius of each gather point (caustic map).
+        pub shrink: f32,
+        /// Rows (y, z) are hashed to this many less one (a mask of ones).
+        pub row_mask: u32,
+        /// Cells along x.
+        pub columns: u32,
+        /// Jotons emitted a pass.
+        pub emitted: u32,
+        /// Invocations that trace them.
+        pub lanes: u32,
+        /// Jotons that a lane can store.
+        pub lane_capacity: u32,
+        /// First index of this pass in the low-discrepancy sequence.
+        pub first_joton: u32,
+        /// The pass whose random numbers are used.
+        pub pass_index: u32,
+        /// Chunks that the sort works in.
+        pub chunks: u32,
+        /// Area that each area point stands for; 0 where there are none.
+        pub area_each: f32,
+        /// One over the width of a cell of the area points' grid.
+        pub area_cells_per_unit: f32,
+        /// Hash mask of the area points' rows.
+        pub area_row_mask: u32,
+        /// Columns of the area points' grid.
+        pub area_columns: u32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+    }
+}
+
+gpu_struct! {
+    /// Where a camera path met its first diffuse surface; 48 bytes, one for each pixel.
+    pub struct GatherPoint {
+        /// Position.
+        pub position: Vec3,
+        /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, and
+        /// [`BACK_SIDE`] where the back of the triangle is seen.
+        pub surface: u32,
+        /// What the path carries, per band, without the BRDF; zero where there is no gather point.
+        pub throughput: Bands,
+        /// Length of the path from the eye.
+        pub path_length: f32,
+        /// Geometric normal toward the eye, octahedral.
+        pub normal: u32,
+        /// Shading normal toward the eye, octahedral.
+        pub shading_normal: u32,
+        /// Direction toward the eye, octahedral.
+        pub wo: u32,
+        /// Padding.
+        pub pad: u32,
+    }
+}
+
+/// Bit of [`GatherPoint::surface`].
+pub const BACK_SIDE: u32 = 1 << 30;
+
+gpu_struct! {
+    /// A stored joton, 32 bytes.
+    pub struct Joton {
+        /// Position.
+        pub position: Vec3,
+        /// Direction it came from (wi, toward the light), octahedral.
+        pub wi: u32,
+        /// Flux, internal W per band; already divided by the number of emitted jotons.
+        pub flux: Bands,
+        /// Geometric normal of the side that it met, octahedral in 13 + 13 bits; above it the state of the path
+        /// automaton.
+        pub normal_state: u32,
+    }
+}
+
+gpu_struct! {
+    /// A lane: one invocation that traces its jotons one after the other, over several dispatches.
+    pub struct Lane {
+        /// Origin of the next ray.
+        pub origin: Vec3,
+        /// Jotons that this lane has started.
+        pub started: u32,
+        /// Direction of the next ray.
+        pub direction: Vec3,
+        /// Jotons that this lane has stored.
+        pub stored: u32,
+        /// Flux of the joton on its way.
+        pub flux: Bands,
+        /// Low 5 bits: state of the path automaton; then LANE_ bits; above bit 16 the number of events.
+        pub status: u32,
+    }
+}
+
+gpu_struct! {
+    /// What a lane has counted over the passes of a batch.
+    pub struct LaneTally {
+        /// Flux that started.
+        pub emitted: Bands,
+        /// Rays.
+        pub rays: u32,
+        /// Flux that surfaces absorbed (expected value).
+        pub absorbed: Bands,
+        /// Jotons stored.
+        pub stored: u32,
+        /// Flux that left.
+        pub escaped: Bands,
+        /// Padding.
+        pub pad: u32,
+    }
+}
+
+gpu_struct! {
+    /// A sample of the diffuse surfaces, standing for MapInfo.area_each.
+    pub struct AreaPoint {
+        /// Position.
+        pub position: Vec3,
+        /// Front normal, octahedral.
+        pub normal: u32,
+    }
+}
+
+gpu_struct! {
+    /// Weights of the local linear fit: a joton at (x, y) counts c.x + c.y x + c.z y.
+    pub struct Fit {
+        /// The weights, per area; x and y in the tangent frame in units of the radius.
+        pub c: Vec4,
+    }
+}
+
+gpu_struct! {
+    /// The automaton of --paths.
+    pub struct PathFilter {
+        /// Next state for events D and S: word 2 * state + event.
+        pub transitions: Table,
+        /// Bit q: a path in state q, then k specular events and the eye, is wanted; word k.
+        pub accept: Table,
+    }
+}
+
+/// Slots of the status buffer, which the kernels raise and the host reads after a batch.
+pub mod status {
+    /// Lanes whose jotons were not all traced.
+    pub const UNFINISHED: u32 = 0;
+    /// Most jotons that a lane wanted to store.
+    pub const LANE_STORED_MAX: u32 = 1;
+    /// Contributions that were not finite.
+    pub const NON_FINITE: u32 = 2;
+    /// Loops that the driver ended early.
+    pub const LOOP_CUT: u32 = 3;
+    /// Camera and shadow rays.
+    pub const RAYS: u32 = 4;
+    /// Camera paths cut at their hard limit.
+    pub const TRUNCATED: u32 = 5;
+    /// Number of slots.
+    pub const SLOTS: u32 = 8;
+}
+
+/// A joton is taken only where its normal and the gather point's agree this well …
+pub const GATHER_NORMAL_COS: f32 = 0.7;
+/// … and where it lies this near the tangent plane, in radii.
+pub const GATHER_PLANE_SHARE: f32 = 0.2;
+/// Area points of the opposite orientation count only this near the plane: two sheets of a thin board are not one.
+pub const GATHER_SHEET_SHARE: f32 = 0.01;
+
+/// Constants that the kernels use, as WGSL.
+pub fn constants() -> String {
+    use crate::pack::{EmitterKind, MaterialFlags, NO_EMITTER, SMOOTH};
+    use std::fmt::Write;
+    let mut s = String::new();
+    let mut u =
+        |name: &str, value: u32| writeln!(s, "const {name}: u32 = {value}u;").expect("writing to a string");
+    u("DIFFUSE", MaterialFlags::DIFFUSE);
+    u("GLOSSY", MaterialFlags::GLOSSY);
+    u("SPECULAR", MaterialFlags::SPECULAR);
+    u("DIELECTRIC", MaterialFlags::DIELECTRIC);
+    u("EMISSIVE", MaterialFlags::EMISSIVE);
+    u("EMITTER_TRIANGLE", EmitterKind::Triangle as u32);
+    u("EMITTER_POINT", EmitterKind::Point as u32);
+    u("EMITTER_SPOT", EmitterKind::Spot as u32);
+    u("EMITTER_SUN", EmitterKind::Sun as u32);
+    u("NO_EMITTER", NO_EMITTER);
+    u("SMOOTH", SMOOTH);
+    u("BACK_SIDE", BACK_SIDE);
+    u("STATUS_UNFINISHED", status::UNFINISHED);
+    u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
+    u("STATUS_NON_FINITE", status::NON_FINITE);
+    u("STATUS_LOOP_CUT", status::LOOP_CUT);
+    u("STATUS_RAYS", status::RAYS);
+    u("STATUS_TRUNCATED", status::TRUNCATED);
+    u("STEP_BUDGET", STEP_BUDGET);
+    u("PATH_START", crate::paths::LightPaths::START);
+    writeln!(s, "const GATHER_NORMAL_COS: f32 = {GATHER_NORMAL_COS:?};").expect("writing to a string");
+    writeln!(s, "const GATHER_PLANE_SHARE: f32 = {GATHER_PLANE_SHARE:?};").expect("writing to a string");
+    writeln!(s, "const GATHER_SHEET_SHARE: f32 = {GATHER_SHEET_SHARE:?};").expect("writing to a string");
+    s
+}
+
+/// Loop iterations after which a lane puts its work away until the next dispatch. llvmpipe silently ends all loops of
+/// an invocation at 65,535 iterations, counted over the union of up to 16 lanes that run together.
+pub const STEP_BUDGET: u32 = 4000;
+
+/// Every struct that kernels may use, as WGSL.
+pub fn declarations() -> String {
+    use crate::pack::{PackedEmitter, PackedMaterial, PackedTriangle, Target};
+    let mut s = String::from(ALIASES);
+    for declaration in [
+        PassInfo::WGSL,
+        MapInfo::WGSL,
+        GatherPoint::WGSL,
+        Joton::WGSL,
+        Lane::WGSL,
+        LaneTally::WGSL,
+        AreaPoint::WGSL,
+        Fit::WGSL,
+        PathFilter::WGSL,
+        PackedTriangle::WGSL,
+        PackedMaterial::WGSL,
+        PackedEmitter::WGSL,
+        Target::WGSL,
+    ] {
+        s.push_str(declaration);
+    }
+    s + &constants()
+}

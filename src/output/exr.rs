@@ -1,0 +1,144 @@
+//! OpenEXR files: linear radiance, float32, W/(m² sr) per band.
+//!
+//! One part holds everything. The whole image is R G B without a prefix, so that any reader finds it; the layers
+//! are `emission.R` … by the naming convention of the OpenEXR documentation ("Layers and channel names"), which
+//! viewers and compositors show as layers. Multi-part files say the same, but older readers see the first part only.
+
+use super::atomic::write_atomically;
+use crate::bands::BANDS;
+use crate::error::{Error, Result};
+use crate::film::{Image, Layer, Picture};
+use exr::prelude as e;
+use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
+use std::fs::File;
+use std::io::{BufReader, Seek};
+use std::path::Path;
+
+/// Channel of each band. The image file may assume three bands.
+const CHANNELS: [&str; BANDS] = ["R", "G", "B"];
+
+/// Bytes that one byte of a file can stand for at most: deflate reaches 1032, the other codecs less. A header that
+/// promises more is broken, and must not decide how much memory is asked for.
+const EXPANSION_MAX: u64 = 1032;
+/// Room for an image that is tiny or empty of anything but its header.
+const EXPANSION_SLACK: u64 = 1 << 20;
+
+/// Write a picture, whole and by layer. `comment` says how it was made; it is free text.
+pub fn write_picture(path: &Path, picture: &Picture, comment: &str) -> Result<()> {
+    let mut channels = channels_of("", &picture.whole);
+    for (layer, image) in Layer::ALL.iter().zip(&picture.layers) {
+        assert_eq!((image.width, image.height), (picture.whole.width, picture.whole.height), "layers fit");
+        channels.extend(channels_of(&format!("{}.", layer.name()), image));
+    }
+    write(path, &picture.whole, channels, comment)
+}
+
+/// Write one image without layers.
+pub fn write_image(path: &Path, image: &Image, comment: &str) -> Result<()> {
+    write(path, image, channels_of("", image), comment)
+}
+
+fn channels_of(prefix: &str, image: &Image) -> Vec<e::AnyChannel<e::FlatSamples>> {
+    let channel = |(b, name): (usize, &&str)| {
+        let samples = image.pixels.iter().map(|pixel| pixel[b]).collect();
+        e::AnyChannel {
+            name: format!("{prefix}{name}").as_str().into(),
+            sample_data: e::FlatSamples::F32(samples),
+            // A hint for lossy codecs; the default is guessed from the name and would differ between layers.
+            quantize_linearly: false,
+            sampling: e::Vec2(1, 1),
+        }
+    };
+    CHANNELS.iter().enumerate().map(channel).collect()
+}
+
+fn write(
+    path: &Path,
+    size: &Image,
+    channels: Vec<e::AnyChannel<e::FlatSamples>>,
+    comment: &str,
+) -> Result<()> {
+    if size.pixels.is_empty() {
+        return Err(Error::io(path, "write", "the image has no pixels"));
+    }
+    // Text in EXR is bytes of no stated encoding; ASCII is what every reader shows alike.
+    let text = |s: &str| e::Text::new_or_none(s.replace(|c: char| !c.is_ascii() || c == '\0', "?"));
+    let attributes = e::LayerAttributes {
+        software_name: text(concat!("joton ", env!("CARGO_PKG_VERSION"))),
+        comments: if comment.is_empty() { None } else { text(comment) },
+        ..Default::default()
+    };
+    let encoding = e::Encoding {
+        // Lossless, and what all readers have. 16 rows together compress better than one.
+        compression: e::Compression::ZIP16,
+        blocks: e::Blocks::ScanLines,
+        line_order: e::LineOrder::Increasing,
+    };
+    let layer = e::Layer::new(
+        (size.width as usize, size.height as usize),
+        attributes,
+        encoding,
+        e::AnyChannels::sort(channels.into()),
+    );
+    let file = e::Image::from_layer(layer);
+    write_atomically(path, |sink| file.write().non_parallel().to_buffered(sink).map_err(|x| x.to_string()))
+}
+
+/// Read the R G B of an EXR file (half, float or uint), from its first part that has them; alpha and other
+/// channels are left aside.
+pub fn read_image(path: &Path) -> Result<Image> {
+    let fail = |what: String| Error::io(path, "read", what);
+    let file = File::open(path).map_err(|x| fail(x.to_string()))?;
+    let length = file.metadata().map_err(|x| fail(x.to_string()))?.len();
+    let mut reader = BufReader::new(file);
+    check_header(&mut reader, length).map_err(fail)?;
+    reader.rewind().map_err(|x| fail(x.to_string()))?;
+    let image = e::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| Image::new(size.width() as u32, size.height() as u32),
+            |image: &mut Image, at, (r, g, b): (f32, f32, f32)| {
+                let pixel = at.y() * image.width as usize + at.x();
+                image.pixels[pixel] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(reader)
+        .map_err(|x| fail(x.to_string()))?;
+    Ok(image.layer_data.channel_data.pixels)
+}
+
+/// Refuse what cannot be read before any pixel is: with the reason in words that help.
+fn check_header(reader: &mut BufReader<File>, length: u64) -> Result<(), String> {
+    let meta = exr::meta::MetaData::read_from_buffered(reader, false)
+        .map_err(|x| format!("it is not a readable OpenEXR file ({x})"))?;
+    let has_rgb = |header: &exr::meta::header::Header| {
+        !header.deep
+            && CHANNELS.iter().all(|c| header.channels.find_index_of_channel(&e::Text::from(*c)).is_some())
+    };
+    let Some(header) = meta.headers.iter().find(|header| has_rgb(header)) else {
+        let names: Vec<String> = meta
+            .headers
+            .iter()
+            .flat_map(|h| &h.channels.list)
+            .map(|channel| channel.name.to_string())
+            .collect();
+        return Err(format!("no part of it has the channels R, G and B; it has {}", names.join(", ")));
+    };
+    if header.channels.list.iter().any(|channel| channel.sampling != e::Vec2(1, 1)) {
+        return Err("its channels are subsampled; save it with full resolution in R, G and B".into());
+    }
+    let [width, height] = [header.layer_size.width() as u64, header.layer_size.height() as u64];
+    let pixels = width.saturating_mul(height);
+    if pixels.saturating_mul(header.channels.bytes_per_pixel as u64)
+        > length.saturating_mul(EXPANSION_MAX).saturating_add(EXPANSION_SLACK)
+    {
+        return Err(format!(
+            "its header promises {width}x{height} pixels, more than {length} bytes can hold"
+        ));
+    }
+    Ok(())
+}

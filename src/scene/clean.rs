@@ -1,0 +1,214 @@
+//! Clean: checks an OBJ file statement by statement and rewrites what a renderer needs of it.
+//!
+//! reads   any OBJ text
+//! writes  the same surfaces as `v`, `vn` and `f p//n` alone, with absolute indices, and, per face, its line and
+//!         its material's name
+//!
+//! The parser behind it then meets nothing that it refuses or misreads, and faults are named with file and line,
+//! which it cannot do. Normal 1 of the output is the zero vector: faces without normals refer to it.
+
+use super::text;
+use super::warnings::Warnings;
+use crate::{Error, Result};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Index, from 1, of the zero normal that stands for "flat".
+const NO_NORMAL: usize = 1;
+
+/// A checked OBJ file.
+#[derive(Debug, Default)]
+pub(crate) struct Clean {
+    /// OBJ text of `v`, `vn` and `f` statements.
+    pub(crate) text: String,
+    /// The faces in order.
+    pub(crate) faces: Vec<Face>,
+    /// Names after `usemtl`, each once.
+    pub(crate) materials: Vec<String>,
+    /// `mtllib` statements: line and what follows.
+    pub(crate) libraries: Vec<(usize, String)>,
+}
+
+/// Where a face comes from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Face {
+    /// Line of its statement, from 1.
+    pub(crate) line: usize,
+    /// Index into [`Clean::materials`], or none before the first `usemtl`.
+    pub(crate) material: Option<usize>,
+}
+
+/// How many vertices and normals there are: so far, and in the whole file (an index may point ahead).
+#[derive(Default, Clone, Copy)]
+struct Counts {
+    positions: usize,
+    normals: usize,
+}
+
+/// Checks and rewrites an OBJ file.
+pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Result<Clean> {
+    let mut all = Counts::default();
+    for statement in text::statements(source) {
+        match statement.split().0 {
+            "v" => all.positions += 1,
+            "vn" => all.normals += 1,
+            _ => {}
+        }
+    }
+    let mut out = Clean { text: "vn 0 0 0\n".to_owned(), ..Clean::default() };
+    let mut so_far = Counts::default();
+    let mut material = None;
+    let mut ignored = |line, what: &str| warnings.add(path, Some(line), what);
+    for statement in text::statements(source) {
+        let line = statement.line;
+        let (key, rest) = statement.split();
+        match key {
+            "v" => {
+                so_far.positions += 1;
+                position(&mut out.text, rest).map_err(|what| {
+                    Error::scene(path, Some(line), what, "give three finite numbers: v x y z")
+                })?;
+                if words(rest).count() > 4 {
+                    ignored(line, "vertex colours are ignored");
+                }
+            }
+            "vn" => {
+                so_far.normals += 1;
+                let normal = floats::<3>(rest);
+                if normal.is_none() {
+                    ignored(line, "normal is not three finite numbers; its faces are flat");
+                }
+                let [x, y, z] = normal.unwrap_or_default();
+                let _ = writeln!(out.text, "vn {x:?} {y:?} {z:?}"); // writing to a String cannot fail
+            }
+            "f" | "fo" => match face(rest, so_far, all) {
+                Ok(corners) if corners.len() < 3 => {
+                    ignored(line, "face with fewer than three vertices is ignored")
+                }
+                Ok(corners) => {
+                    if corners.iter().any(|c| c.normal == Normal::OutOfRange) {
+                        ignored(line, "face refers to normals that do not exist; it is flat");
+                    }
+                    write_face(&mut out.text, &corners);
+                    out.faces.push(Face { line, material });
+                }
+                Err(fault) => {
+                    let remedy = match all.positions {
+                        0 => "the file has no v statements".to_owned(),
+                        last => format!("indices run from 1 to {last}, or backwards from -1"),
+                    };
+                    return Err(Error::scene(path, Some(line), fault, remedy));
+                }
+            },
+            "usemtl" => {
+                let index = out.materials.iter().position(|name| name == rest);
+                material = Some(index.unwrap_or_else(|| {
+                    out.materials.push(rest.to_owned());
+                    out.materials.len() - 1
+                }));
+            }
+            "mtllib" => out.libraries.push((line, rest.to_owned())),
+            "l" | "p" => ignored(line, "lines and points are ignored"),
+            "curv" | "curv2" | "surf" => ignored(line, "free-form curves and surfaces are ignored"),
+            _ => {} // o, g, s, vt and whatever else has no bearing on light
+        }
+    }
+    Ok(out)
+}
+
+fn words(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split_whitespace().take_while(|word| !word.starts_with('#'))
+}
+
+/// The first `N` words as finite numbers.
+fn floats<const N: usize>(rest: &str) -> Option<[f64; N]> {
+    let mut values = [0.0; N];
+    let mut words = words(rest);
+    for value in &mut values {
+        *value = words.next()?.parse().ok().filter(|v: &f64| v.is_finite())?;
+    }
+    Some(values)
+}
+
+/// Writes a vertex. What follows the coordinates (w of a rational curve, a colour) is dropped.
+fn position(out: &mut String, rest: &str) -> Result<(), String> {
+    let words: Vec<&str> = words(rest).take(3).collect();
+    for word in &words {
+        match word.parse::<f64>() {
+            Ok(value) if value.is_finite() => {}
+            Ok(_) => return Err(format!("coordinate {word} is not finite")),
+            Err(_) => return Err(format!("\"{word}\" is not a number")),
+        }
+    }
+    match words[..] {
+        [x, y, z] => {
+            let _ = writeln!(out, "v {x} {y} {z}");
+            Ok(())
+        }
+        _ => Err(format!("vertex with {} of 3 coordinates", words.len())),
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Normal {
+    Absent,
+    OutOfRange,
+    /// Index from 1 in the source.
+    At(usize),
+}
+
+#[derive(Clone, Copy)]
+struct Corner {
+    /// Index from 1.
+    position: usize,
+    normal: Normal,
+}
+
+/// Reads the corners of a face: `p`, `p/t`, `p//n`, `p/t/n`.
+fn face(rest: &str, so_far: Counts, all: Counts) -> Result<Vec<Corner>, String> {
+    words(rest)
+        .map(|word| {
+            let mut indices = word.split('/');
+            let position = indices.next().unwrap_or("");
+            let relative: i64 = position.parse().map_err(|_| format!("\"{word}\" is not a vertex index"))?;
+            if relative == 0 {
+                return Err("vertex index 0".to_owned());
+            }
+            let position = absolute(relative, so_far.positions, all.positions)
+                .ok_or_else(|| format!("vertex index {relative} of {} vertices", so_far.positions))?;
+            let normal = match indices.nth(1).unwrap_or("") {
+                "" => Normal::Absent,
+                index => index
+                    .parse()
+                    .ok()
+                    .and_then(|relative| absolute(relative, so_far.normals, all.normals))
+                    .map_or(Normal::OutOfRange, Normal::At),
+            };
+            Ok(Corner { position, normal })
+        })
+        .collect()
+}
+
+/// Index from 1 of an index that may count backwards from what was stated last.
+fn absolute(relative: i64, so_far: usize, all: usize) -> Option<usize> {
+    let index = if relative < 0 {
+        so_far.checked_sub(usize::try_from(relative.unsigned_abs()).ok()?)?.checked_add(1)?
+    } else {
+        usize::try_from(relative).ok()?
+    };
+    (1..=all).contains(&index).then_some(index)
+}
+
+/// A face has all of its normals or none.
+fn write_face(out: &mut String, corners: &[Corner]) {
+    let has_normals = corners.iter().all(|c| matches!(c.normal, Normal::At(_)));
+    out.push('f');
+    for corner in corners {
+        let normal = match corner.normal {
+            Normal::At(index) if has_normals => NO_NORMAL + index,
+            _ => NO_NORMAL,
+        };
+        let _ = write!(out, " {}//{normal}", corner.position);
+    }
+    out.push('\n');
+}

@@ -1,0 +1,188 @@
+//! MTL: reads Wavefront material libraries into what they literally say.
+//!
+//! Tolerant, because files in the wild are: any case of keys, tabs, comments after values, nameless materials,
+//! paths with backslashes or the wrong case. What the statements mean for light is the rule in `rule.rs`.
+
+use super::text;
+use super::warnings::Warnings;
+use crate::Result;
+use crate::bands::{BANDS, Bands};
+use std::path::{Path, PathBuf};
+
+/// A value and the line that it stands on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct At<T> {
+    /// What was read.
+    pub(crate) value: T,
+    /// Line, from 1.
+    pub(crate) line: usize,
+}
+
+/// What a scene file's `type` asks for, instead of what `illum` suggests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Kd alone.
+    Matte,
+    /// Ks mirrors, Kd is matte.
+    Mirror,
+    /// A transparent body.
+    Glass,
+    /// Kd is matte, Ks is a lobe.
+    Glossy,
+}
+
+/// One material as the file states it; absent means not stated.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RawMaterial {
+    /// `newmtl` name; empty where the file gives none.
+    pub(crate) name: String,
+    /// File that defines it.
+    pub(crate) file: PathBuf,
+    /// Line of `newmtl`.
+    pub(crate) line: usize,
+    /// Set by a scene file.
+    pub(crate) kind: Option<Kind>,
+    /// Diffuse reflectance.
+    pub(crate) kd: Option<At<Bands>>,
+    /// Specular or glossy reflectance.
+    pub(crate) ks: Option<At<Bands>>,
+    /// Emitted radiance, W/(m² sr).
+    pub(crate) ke: Option<At<Bands>>,
+    /// Transmission filter.
+    pub(crate) tf: Option<At<Bands>>,
+    /// Transmission colour, in no specification.
+    pub(crate) kt: Option<At<Bands>>,
+    /// Index of refraction.
+    pub(crate) ni: Option<At<f32>>,
+    /// Phong exponent.
+    pub(crate) ns: Option<At<f32>>,
+    /// Roughness of the PBR extension.
+    pub(crate) pr: Option<At<f32>>,
+    /// Opacity.
+    pub(crate) d: Option<At<f32>>,
+    /// Transparency, or opacity in old files.
+    pub(crate) tr: Option<At<f32>>,
+    /// Illumination model.
+    pub(crate) illum: Option<At<f32>>,
+    /// `map_Kd` is stated.
+    pub(crate) map_kd: Option<usize>,
+    /// Some other texture is stated.
+    pub(crate) other_map: Option<usize>,
+    /// `map_d` is stated.
+    pub(crate) map_d: Option<usize>,
+}
+
+/// Reads a material library; later definitions of a name come later in the list.
+pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<Vec<RawMaterial>> {
+    Ok(parse(&text::read(path)?, path, warnings))
+}
+
+/// Reads a material library from its text; statements that cannot be read are left out with a warning.
+pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<RawMaterial> {
+    let mut materials: Vec<RawMaterial> = Vec::new();
+    for statement in text::statements(text) {
+        let line = statement.line;
+        let (key, rest) = statement.split();
+        if key.eq_ignore_ascii_case("newmtl") {
+            materials.push(RawMaterial {
+                name: rest.to_owned(),
+                file: path.to_owned(),
+                line,
+                ..Default::default()
+            });
+            continue;
+        }
+        // What stands before the first newmtl belongs to no material.
+        let Some(material) = materials.last_mut() else { continue };
+        if let Err(what) = apply(material, &key.to_ascii_lowercase(), rest, line) {
+            warnings.add(path, Some(line), format!("{key}: {what}; the statement is ignored"));
+        }
+    }
+    materials
+}
+
+/// Applies one statement; keys that mean nothing here (Ka, sharpness, …) are passed over.
+fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Result<(), &'static str> {
+    let at = |value| Some(At { value, line });
+    match key {
+        "kd" => material.kd = at_bands(rest, line)?,
+        "ks" => material.ks = at_bands(rest, line)?,
+        "ke" => material.ke = at_bands(rest, line)?,
+        "tf" => material.tf = at_bands(rest, line)?,
+        "kt" => material.kt = at_bands(rest, line)?,
+        "ni" => material.ni = at(number(rest)?),
+        "ns" => material.ns = at(number(rest)?),
+        "pr" => material.pr = at(number(rest)?),
+        "d" => material.d = at(number(rest.strip_prefix("-halo").unwrap_or(rest))?),
+        "tr" => material.tr = at(number(rest)?),
+        "illum" => material.illum = at(number(rest)?),
+        "map_kd" => material.map_kd = Some(line),
+        "map_d" | "map_tr" => material.map_d = Some(line),
+        "bump" | "norm" | "refl" | "disp" | "decal" => material.other_map = Some(line),
+        _ if key.starts_with("map_") && key != "map_ka" => material.other_map = Some(line),
+        _ => {}
+    }
+    Ok(())
+}
+
+fn words(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split_whitespace().take_while(|word| !word.starts_with('#'))
+}
+
+fn number(rest: &str) -> Result<f32, &'static str> {
+    let word = words(rest).next().ok_or("no number")?;
+    word.parse().map_err(|_| "not a number")
+}
+
+/// One value stands for all bands.
+fn at_bands(rest: &str, line: usize) -> Result<Option<At<Bands>>, &'static str> {
+    let mut numbers = Vec::new();
+    for word in words(rest) {
+        if word == "spectral" || word == "xyz" {
+            return Err("only RGB values are supported");
+        }
+        numbers.push(word.parse::<f32>().map_err(|_| "not a number")?);
+    }
+    let value = match numbers[..] {
+        [] => return Err("no number"),
+        [all] => [all; BANDS],
+        [..] if numbers.len() < BANDS => return Err("three numbers expected"),
+        [..] => std::array::from_fn(|band| numbers[band]),
+    };
+    Ok(Some(At { value, line }))
+}
+
+/// The libraries that an `mtllib` statement names: the whole rest of the line as one name where such a file
+/// exists, otherwise each of its words.
+pub(crate) fn locate(names: &str, directory: &Path) -> Vec<Result<PathBuf, String>> {
+    if let Some(path) = find(names, directory) {
+        return vec![Ok(path)];
+    }
+    if names.split_whitespace().count() < 2 {
+        return vec![Err(names.to_owned())];
+    }
+    names.split_whitespace().map(|name| find(name, directory).ok_or_else(|| name.to_owned())).collect()
+}
+
+/// Finds a file by name: as written, with `\` as `/`, in any case, or by its last part in the same folder.
+fn find(name: &str, directory: &Path) -> Option<PathBuf> {
+    let name = name.trim().trim_matches('"').replace('\\', "/");
+    if name.is_empty() || name.contains('\0') {
+        return None;
+    }
+    let last_part = name.rsplit('/').next().unwrap_or(&name).to_owned();
+    [name, last_part].iter().find_map(|candidate| {
+        let path = directory.join(candidate);
+        if path.is_file() {
+            return Some(path);
+        }
+        let wanted = path.file_name()?.to_str()?.to_lowercase();
+        let mut entries: Vec<_> =
+            std::fs::read_dir(path.parent()?).ok()?.flatten().map(|e| e.path()).collect();
+        entries.sort();
+        entries.into_iter().find(|entry| {
+            let file_name = entry.file_name().and_then(|n| n.to_str()).map(str::to_lowercase);
+            file_name.as_deref() == Some(&wanted) && entry.is_file()
+        })
+    })
+}

@@ -1,0 +1,182 @@
+//! OBJ: reads Wavefront meshes and the material libraries that they name.
+//!
+//! reads   an OBJ file, cleaned by `clean.rs`, parsed by tobj
+//! writes  triangles with flat or smooth normals, and for each the name of its material
+
+use super::mtl::{self, RawMaterial};
+use super::warnings::Warnings;
+use super::{Mesh, Triangle, clean, polygon, text};
+use crate::{Error, Result};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// A triangle whose area is below this share of its longest edge squared is a line to f64 rounding.
+const DEGENERATE_SHARE: f64 = 1e-12;
+/// Normals that differ from the geometric one by less (length of the difference) make a triangle flat.
+const FLAT_TOLERANCE: f64 = 1e-6;
+/// Largest coordinate, world units: squares of distances must stay finite in f32.
+const MAX_COORDINATE: f64 = 1e15;
+
+/// A mesh file before its materials are looked up.
+#[derive(Debug)]
+pub(crate) struct ObjFile {
+    /// Triangles; [`Triangle::material`] indexes `materials`.
+    pub(crate) mesh: Mesh,
+    /// Materials in order of first use: name (none before any `usemtl`) and the line of the first face.
+    pub(crate) materials: Vec<(Option<String>, usize)>,
+    /// All that the material libraries define.
+    pub(crate) library: Vec<RawMaterial>,
+}
+
+/// Reads an OBJ file; positions become `scale` · position + `translate`.
+pub(crate) fn read(path: &Path, scale: f64, translate: DVec3, warnings: &mut Warnings) -> Result<ObjFile> {
+    let source = text::read(path)?;
+    let clean = clean::clean(&source, path, warnings)?;
+    let library = libraries(&clean, path, warnings);
+    let mut builder = Builder { path, mesh: Mesh::default(), normal_of: HashMap::new(), warnings };
+    let mut materials: Vec<(Option<String>, usize)> = Vec::new();
+    if clean.faces.is_empty() {
+        return Ok(ObjFile { mesh: builder.mesh, materials, library });
+    }
+    let parsed = parse(&clean.text, path)?;
+    builder.mesh.positions =
+        parsed.positions.as_chunks::<3>().0.iter().map(|&p| DVec3::from(p) * scale + translate).collect();
+    if builder.mesh.positions.iter().any(|p| p.abs().max_element() > MAX_COORDINATE) {
+        let remedy = "use a larger unit of length";
+        return Err(Error::scene(path, None, format!("a coordinate is beyond {MAX_COORDINATE:e}"), remedy));
+    }
+    let normals: Vec<DVec3> = parsed.normals.as_chunks::<3>().0.iter().map(|&n| DVec3::from(n)).collect();
+    let mut index_of: HashMap<Option<usize>, u32> = HashMap::new();
+    let mut start = 0;
+    // tobj leaves the arities out where all faces are triangles.
+    let arities = parsed.face_arities.iter().copied().chain(std::iter::repeat(3));
+    for (face, arity) in clean.faces.iter().zip(arities) {
+        let end = start + arity as usize;
+        let material = *index_of.entry(face.material).or_insert_with(|| {
+            materials.push((face.material.map(|m| clean.materials[m].clone()), face.line));
+            materials.len() as u32 - 1
+        });
+        builder.face(
+            face.line,
+            &parsed.indices[start..end],
+            &parsed.normal_indices[start..end],
+            &normals,
+            material,
+        );
+        start = end;
+    }
+    Ok(ObjFile { mesh: builder.mesh, materials, library })
+}
+
+/// Parses cleaned text: a single model, polygons kept.
+fn parse(text: &str, path: &Path) -> Result<tobj::Mesh> {
+    let fault =
+        |e: tobj::LoadError| Error::scene(path, None, e.to_string(), "report this file: it was checked");
+    let options = tobj::LoadOptions::default();
+    let (models, _) =
+        tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| Ok(Default::default())).map_err(fault)?;
+    models.into_iter().next().map(|model| model.mesh).ok_or_else(|| fault(tobj::LoadError::FaceParseError))
+}
+
+/// Reads the libraries that the file names; one that is missing or unreadable is a warning.
+fn libraries(clean: &clean::Clean, path: &Path, warnings: &mut Warnings) -> Vec<RawMaterial> {
+    let directory = path.parent().unwrap_or(Path::new(""));
+    let mut library = Vec::new();
+    for (line, names) in &clean.libraries {
+        for found in mtl::locate(names, directory) {
+            match found.map(|file| mtl::read(&file, warnings)) {
+                Ok(Ok(materials)) => library.extend(materials),
+                Ok(Err(error)) => warnings.add(path, Some(*line), error.to_string()),
+                Err(name) => {
+                    warnings.add(path, Some(*line), format!("material library \"{name}\" is not found"));
+                }
+            }
+        }
+    }
+    library
+}
+
+struct Builder<'a> {
+    path: &'a Path,
+    mesh: Mesh,
+    /// From a normal of the file, as it is or turned over, to one of the mesh.
+    normal_of: HashMap<(u32, bool), u32>,
+    warnings: &'a mut Warnings,
+}
+
+impl Builder<'_> {
+    fn face(
+        &mut self,
+        line: usize,
+        vertices: &[u32],
+        corner_normals: &[u32],
+        normals: &[DVec3],
+        material: u32,
+    ) {
+        let corners: Vec<DVec3> = vertices.iter().map(|&v| self.mesh.positions[v as usize]).collect();
+        for triangle in polygon::triangulate(&corners) {
+            let [a, b, c] = triangle.map(|i| corners[i]);
+            let Some(geometric) = geometric_normal([a, b, c]) else {
+                self.warnings.add(self.path, Some(line), "triangle without area is dropped");
+                continue;
+            };
+            let corner_normals = triangle.map(|i| corner_normals[i]);
+            let normal = self.normals(line, geometric, corner_normals, normals);
+            self.mesh.triangles.push(Triangle { vertex: triangle.map(|i| vertices[i]), normal, material });
+        }
+    }
+
+    /// Shading normals of a triangle: none where they are absent, unusable or all the geometric one.
+    fn normals(
+        &mut self,
+        line: usize,
+        geometric: DVec3,
+        indices: [u32; 3],
+        normals: &[DVec3],
+    ) -> Option<[u32; 3]> {
+        let given = indices.map(|i| normals[i as usize]);
+        if given.iter().all(|n| *n == DVec3::ZERO) {
+            return None; // the file gives none, or all zero
+        }
+        let units = given.map(|n| n.try_normalize());
+        let [Some(a), Some(b), Some(c)] = units else {
+            self.warnings.add(self.path, Some(line), "normal without length; the triangle is flat");
+            return None;
+        };
+        let units = [a, b, c];
+        let fronts = units.iter().filter(|n| n.dot(geometric) > 0.0).count();
+        let turned = match fronts {
+            3 => false,
+            0 if units.iter().all(|n| n.dot(geometric) < 0.0) => true,
+            _ => {
+                let what = "normals lie on both sides of the triangle; it is flat";
+                self.warnings.add(self.path, Some(line), what);
+                return None;
+            }
+        };
+        if turned {
+            let what = "normals point to the back of the triangle and are turned over (its front is where its \
+                        vertices run counter-clockwise)";
+            self.warnings.add(self.path, Some(line), what);
+        }
+        let units = units.map(|n| if turned { -n } else { n });
+        if units.iter().all(|n| (n - geometric).length() <= FLAT_TOLERANCE) {
+            return None;
+        }
+        Some(std::array::from_fn(|i| {
+            *self.normal_of.entry((indices[i], turned)).or_insert_with(|| {
+                self.mesh.normals.push(units[i].as_vec3());
+                self.mesh.normals.len() as u32 - 1
+            })
+        }))
+    }
+}
+
+/// Unit normal on the side from which the corners run counter-clockwise, or none where they span no area.
+pub(crate) fn geometric_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+    let cross = (b - a).cross(c - a);
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    // Written so that a NaN is degenerate too.
+    if cross.length() > DEGENERATE_SHARE * longest { cross.try_normalize() } else { None }
+}

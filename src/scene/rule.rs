@@ -1,0 +1,209 @@
+//! The rule that turns what an MTL material says into a [`Material`].
+//!
+//! `illum` alone cannot decide: exporters write 2 for matte, glossy and light alike, and `Tf 1 1 1` for opaque.
+//!
+//! 1. **Emission** is Ke, radiance in W/(m² sr), from the front. An emitter keeps its other properties.
+//! 2. **Glass** where illum is 4, 6, 7 or 9, or where illum is 5, 8 or 10 and the material says that it transmits
+//!    (d < 1, Kt > 0, or Tf < 1 in a band but not black). Index: Ni as given, 1.0 included; below 1 it is kept too
+//!    (a bubble); absent or 0 it is 1.5, with a warning. Tf, else Kt, multiplies what crosses the surface, at each
+//!    crossing (a body filters twice); black or absent means 1. Ks multiplies what reflects; black or absent
+//!    means 1. Kd is ignored.
+//! 3. **Mirror** where illum is 3, 5 or 8: specular = Ks, diffuse = Kd.
+//! 4. **Matte** where illum is 0 or 1: diffuse = Kd.
+//! 5. Everything else (2, 10, absent): diffuse = Kd and, where Ks is not black, a **glossy** lobe Ks with exponent
+//!    Ns, else 2/Pr⁴ − 2, else 10; kept in 1 … 10⁶.
+//! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. Kd black or absent with a map_Kd:
+//!    grey 0.5. Textures are not read.
+//! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor.
+//! 8. d or Tr never make an opaque material transparent: cut-outs are not supported.
+
+use super::mtl::{At, Kind, RawMaterial};
+use super::warnings::Warnings;
+use super::{Dielectric, Material};
+use crate::bands::{self, BANDS, BLACK, Bands};
+use crate::{Error, Result};
+
+/// Reflectance where a file says nothing: middle grey.
+pub(crate) const GREY: Bands = [0.5; BANDS];
+/// All light.
+const WHITE: Bands = [1.0; BANDS];
+/// Index of refraction where glass gives none: window glass.
+const DEFAULT_IOR: f32 = 1.5;
+/// Indices of refraction beyond this are a mistake in the file (diamond has 2.4, silicon 4).
+const IOR_ACCEPTED: std::ops::RangeInclusive<f32> = 0.1..=10.0;
+/// Phong exponent where a glossy material gives none.
+const DEFAULT_EXPONENT: f32 = 10.0;
+/// Phong exponents: below 1 the lobe is all but diffuse, above 10⁶ it is a mirror to f32.
+const EXPONENT_RANGE: std::ops::RangeInclusive<f32> = 1.0..=1e6;
+/// A glass whose ignored Kd exceeds this was meant to have a body colour.
+const NOTICED_DIFFUSE: f32 = 0.05;
+/// Reflectances may exceed 1 by this much: the rounding of decimal text.
+const ALBEDO_SLACK: f32 = 1e-6;
+
+/// Applies the rule; fails where a value is negative or not finite.
+pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Material> {
+    check(raw)?;
+    let mut warn = |line: Option<usize>, what: &str| {
+        warnings.add(&raw.file, line.or(Some(raw.line)), format!("material \"{}\": {what}", raw.name));
+    };
+    if let Some(line) = raw.map_kd.or(raw.other_map) {
+        warn(Some(line), "textures are not supported; its plain colours are used");
+    }
+    let kind = raw.kind.unwrap_or_else(|| kind(raw));
+    let ks = raw.ks.map_or(BLACK, |ks| ks.value);
+    let mut result = Material::matte(raw.name.clone(), BLACK);
+    result.emission = raw.ke.map_or(BLACK, |ke| ke.value);
+    if kind == Kind::Glass {
+        if let Some(kd) = raw.kd.filter(|kd| bands::max(&kd.value) > NOTICED_DIFFUSE) {
+            warn(Some(kd.line), "Kd of a glass is ignored");
+        }
+        result.dielectric = Some(dielectric(raw, &mut warn));
+        return Ok(result);
+    }
+    if transmits_like_cutout(raw) {
+        warn(
+            raw.d.or(raw.tr).map(|d| d.line).or(raw.map_d),
+            "cut-out transparency is not supported; it is opaque",
+        );
+    }
+    result.diffuse = diffuse(raw, kind, &mut warn);
+    match kind {
+        Kind::Mirror => result.specular = raw.ks.map_or(mirror_default(raw), |ks| ks.value),
+        Kind::Glossy if !bands::is_black(&ks) => {
+            result.glossy = ks;
+            result.glossy_exponent = exponent(raw);
+        }
+        Kind::Matte | Kind::Glossy | Kind::Glass => {}
+    }
+    let albedo = bands::add(&bands::add(&result.diffuse, &result.glossy), &result.specular);
+    let largest = bands::max(&albedo);
+    if largest > 1.0 {
+        if largest > 1.0 + ALBEDO_SLACK {
+            warn(None, "reflects more than it receives; its reflectances are scaled down to a sum of 1");
+        }
+        for lobe in [&mut result.diffuse, &mut result.glossy, &mut result.specular] {
+            *lobe = bands::scale(lobe, 1.0 / largest);
+        }
+    }
+    Ok(result)
+}
+
+/// What `illum` and its companions ask for.
+fn kind(raw: &RawMaterial) -> Kind {
+    let illum = raw.illum.map_or(2, |illum| illum.value as i32);
+    match illum {
+        4 | 6 | 7 | 9 => Kind::Glass,
+        5 | 8 | 10 if transmits(raw) => Kind::Glass,
+        3 | 5 | 8 => Kind::Mirror,
+        0 | 1 => Kind::Matte,
+        _ => Kind::Glossy,
+    }
+}
+
+fn transmits(raw: &RawMaterial) -> bool {
+    let filters = raw.tf.is_some_and(|tf| tf.value.iter().any(|&t| t < 1.0) && !bands::is_black(&tf.value));
+    filters || raw.kt.is_some_and(|kt| !bands::is_black(&kt.value)) || raw.d.is_some_and(|d| d.value < 1.0)
+}
+
+/// d < 1, or Tr strictly between opaque and clear: Tr 0 and Tr 1 both mean opaque in some exporter.
+fn transmits_like_cutout(raw: &RawMaterial) -> bool {
+    let opacity = raw.d.map(|d| d.value).or(raw.tr.filter(|tr| tr.value > 0.0).map(|tr| tr.value));
+    raw.map_d.is_some() || opacity.is_some_and(|opacity| opacity < 1.0)
+}
+
+fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> Dielectric {
+    let tint = |stated: Option<At<Bands>>| stated.map(|t| t.value).filter(|t| !bands::is_black(t));
+    // Exporters that do not know the index write 0.
+    let ior = raw.ni.filter(|ni| ni.value != 0.0).map_or_else(
+        || {
+            if raw.kind.is_none() {
+                warn(None, "glass without an index of refraction (Ni); 1.5 is used");
+            }
+            DEFAULT_IOR
+        },
+        |ni| ni.value,
+    );
+    let transmission = tint(raw.tf).or(tint(raw.kt)).unwrap_or(WHITE);
+    let reflection = tint(raw.ks).unwrap_or(WHITE);
+    if bands::max(&transmission) > 1.0 || bands::max(&reflection) > 1.0 {
+        warn(raw.tf.map(|tf| tf.line), "a tint above 1 would make light; it is clamped to 1");
+    }
+    Dielectric {
+        ior,
+        reflection_tint: reflection.map(|t| t.min(1.0)),
+        transmission_tint: transmission.map(|t| t.min(1.0)),
+    }
+}
+
+fn diffuse(raw: &RawMaterial, kind: Kind, warn: &mut impl FnMut(Option<usize>, &str)) -> Bands {
+    let stated = raw.kd.map(|kd| kd.value);
+    if raw.map_kd.is_some() && stated.is_none_or(|kd| bands::is_black(&kd)) {
+        return GREY;
+    }
+    stated.unwrap_or_else(|| {
+        let shines = |value: Option<At<Bands>>| value.is_some_and(|v| !bands::is_black(&v.value));
+        if shines(raw.ke) || shines(raw.ks) || kind == Kind::Mirror {
+            return BLACK;
+        }
+        if raw.kind.is_none() {
+            warn(None, "no Kd; grey 0.5 is used");
+        }
+        GREY
+    })
+}
+
+/// A mirror that a scene file asks for without Ks reflects all that Kd leaves; one of an MTL reflects nothing.
+fn mirror_default(raw: &RawMaterial) -> Bands {
+    match (raw.kind, raw.kd) {
+        (None, _) => BLACK,
+        (Some(_), None) => WHITE,
+        (Some(_), Some(kd)) => kd.value.map(|kd| (1.0 - kd).max(0.0)),
+    }
+}
+
+fn exponent(raw: &RawMaterial) -> f32 {
+    let from_roughness = raw.pr.map(|pr| 2.0 / pr.value.powi(4) - 2.0);
+    let exponent = raw.ns.map(|ns| ns.value).or(from_roughness).unwrap_or(DEFAULT_EXPONENT);
+    exponent.clamp(*EXPONENT_RANGE.start(), *EXPONENT_RANGE.end())
+}
+
+/// Negative and non-finite values are errors: no repair could guess what was meant.
+fn check(raw: &RawMaterial) -> Result<()> {
+    let fail = |line: usize, key: &str, what: &str| {
+        let what = format!("material \"{}\": {key} {what}", raw.name);
+        Err(Error::scene(&raw.file, Some(line), what, "give finite values of at least 0"))
+    };
+    for (key, value) in [("Kd", raw.kd), ("Ks", raw.ks), ("Ke", raw.ke), ("Tf", raw.tf), ("Kt", raw.kt)] {
+        let Some(At { value, line }) = value else { continue };
+        if value.iter().any(|band| !band.is_finite()) {
+            return fail(line, key, "is not finite");
+        }
+        if value.iter().any(|&band| band < 0.0) {
+            return fail(line, key, "is negative");
+        }
+    }
+    for (key, value) in [("Ns", raw.ns), ("Pr", raw.pr), ("d", raw.d), ("Tr", raw.tr), ("illum", raw.illum)] {
+        let Some(At { value, line }) = value else { continue };
+        if !value.is_finite() {
+            return fail(line, key, "is not finite");
+        }
+    }
+    match raw.ni {
+        Some(At { value, line })
+            if !value.is_finite() || (is_glass(raw) && value != 0.0 && !IOR_ACCEPTED.contains(&value)) =>
+        {
+            let what = format!("material \"{}\": index of refraction {value}", raw.name);
+            Err(Error::scene(
+                &raw.file,
+                Some(line),
+                what,
+                "give an index from 0.1 to 10 (water 1.33, glass 1.5)",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn is_glass(raw: &RawMaterial) -> bool {
+    raw.kind.unwrap_or_else(|| kind(raw)) == Kind::Glass
+}

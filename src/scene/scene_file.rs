@@ -1,0 +1,251 @@
+//! Scene file: reads the TOML that names meshes, camera, film, lights and materials (docs/SCENE.md).
+//!
+//! reads   TOML text
+//! writes  a [`Description`]: typed, every key known, not yet looked up or put together
+
+use super::light::Light;
+use super::mtl::{At, Kind, RawMaterial};
+use super::table::{Table, parse};
+use super::text;
+use crate::bands::Bands;
+use crate::{Error, Result};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+/// Field of view across the width where a file gives none, degrees.
+pub(crate) const DEFAULT_FOV_X: f64 = 40.0;
+/// Image size where a file gives none, pixels.
+pub(crate) const DEFAULT_SIZE: [u32; 2] = [512, 512];
+/// Largest image side, pixels: what a 2D texture may measure on most devices, and a typing error beyond.
+const MAX_SIDE: u32 = 16_384;
+/// Half angles of a spot where the file gives none, degrees.
+const DEFAULT_SPOT: [f64; 2] = [20.0, 30.0];
+
+/// What a scene file says.
+#[derive(Debug)]
+pub(crate) struct Description {
+    /// The camera, if there is one.
+    pub(crate) camera: Option<CameraEntry>,
+    /// Width and height, pixels.
+    pub(crate) size: [u32; 2],
+    /// Mesh files in order.
+    pub(crate) meshes: Vec<MeshEntry>,
+    /// Lights in order.
+    pub(crate) lights: Vec<Light>,
+    /// Materials that override or define.
+    pub(crate) materials: Vec<RawMaterial>,
+}
+
+/// `[camera]`
+#[derive(Debug)]
+pub(crate) struct CameraEntry {
+    /// Line of its header.
+    pub(crate) line: usize,
+    /// Eye point, world units.
+    pub(crate) position: DVec3,
+    /// Middle of the image.
+    pub(crate) target: DVec3,
+    /// Up.
+    pub(crate) up: DVec3,
+    /// Full angle in degrees, and whether it is across the width.
+    pub(crate) fov: (f64, bool),
+}
+
+/// `[[mesh]]`
+#[derive(Debug)]
+pub(crate) struct MeshEntry {
+    /// Line of its file name.
+    pub(crate) line: usize,
+    /// The file.
+    pub(crate) file: PathBuf,
+    /// Factor on positions.
+    pub(crate) scale: f64,
+    /// Added after scaling, world units.
+    pub(crate) translate: DVec3,
+}
+
+/// Reads a scene file.
+pub(crate) fn read(path: &Path) -> Result<Description> {
+    let source = text::read(path)?;
+    let root = parse(&source, path)?;
+    let root = Table::new(path, &source, "the scene", root.get_ref(), root.span());
+    root.allow(&["camera", "film", "mesh", "light", "material"])?;
+    let camera = root.table("camera")?.map(camera).transpose()?;
+    let size = root.table("film")?.map(film).transpose()?.unwrap_or(DEFAULT_SIZE);
+    let meshes = root.tables("mesh")?.into_iter().map(|t| mesh(t, path)).collect::<Result<Vec<_>>>()?;
+    let lights = root.tables("light")?.into_iter().map(light).collect::<Result<Vec<_>>>()?;
+    let materials =
+        root.tables("material")?.into_iter().map(|t| material(t, path)).collect::<Result<Vec<_>>>()?;
+    if meshes.is_empty() {
+        return Err(Error::scene(path, None, "no [[mesh]]", "add one: [[mesh]] with file = \"name.obj\""));
+    }
+    Ok(Description { camera, size, meshes, lights, materials })
+}
+
+fn camera(table: Table) -> Result<CameraEntry> {
+    table.allow(&["position", "target", "up", "fov_x", "fov_y"])?;
+    let position = table.vector("position")?;
+    let target = table.vector("target")?;
+    let up = table.optional_vector("up")?.unwrap_or(DVec3::Y);
+    let fov = match (table.number("fov_x")?, table.number("fov_y")?) {
+        (Some(_), Some(y)) => return Err(table.fault(y.line, "both fov_x and fov_y", "give one of them")),
+        (Some(x), None) => (x, true),
+        (None, Some(y)) => (y, false),
+        (None, None) => (At { value: DEFAULT_FOV_X, line: table.line() }, true),
+    };
+    if !(fov.0.value > 0.0 && fov.0.value < 180.0) {
+        let what = format!("field of view of {} degrees", fov.0.value);
+        return Err(table.fault(fov.0.line, &what, "give an angle between 0 and 180"));
+    }
+    Ok(CameraEntry {
+        line: table.line(),
+        position: position.value,
+        target: target.value,
+        up,
+        fov: (fov.0.value, fov.1),
+    })
+}
+
+fn film(table: Table) -> Result<[u32; 2]> {
+    table.allow(&["width", "height"])?;
+    let mut size = DEFAULT_SIZE;
+    for (side, key) in size.iter_mut().zip(["width", "height"]) {
+        let Some(At { value, line }) = table.integer(key)? else { continue };
+        *side = u32::try_from(value).ok().filter(|s| (1..=MAX_SIDE).contains(s)).ok_or_else(|| {
+            table.fault(line, &format!("{key} of {value} pixels"), &format!("give 1 to {MAX_SIDE}"))
+        })?;
+    }
+    Ok(size)
+}
+
+fn mesh(table: Table, path: &Path) -> Result<MeshEntry> {
+    table.allow(&["file", "scale", "translate"])?;
+    let file = table.string("file")?;
+    let scale = table.number("scale")?.unwrap_or(At { value: 1.0, line: table.line() });
+    if scale.value <= 0.0 {
+        return Err(table.fault(scale.line, &format!("scale {}", scale.value), "give a number above 0"));
+    }
+    let directory = path.parent().unwrap_or(Path::new(""));
+    Ok(MeshEntry {
+        line: file.line,
+        file: directory.join(file.value),
+        scale: scale.value,
+        translate: table.optional_vector("translate")?.unwrap_or(DVec3::ZERO),
+    })
+}
+
+fn light(table: Table) -> Result<Light> {
+    let kind = table.string("kind")?;
+    match kind.value.as_str() {
+        "point" => {
+            table.allow(&["kind", "position", "intensity"])?;
+            Ok(Light::Point {
+                position: table.vector("position")?.value,
+                intensity: power(&table, "intensity")?,
+            })
+        }
+        "spot" => spot(table),
+        "sun" => {
+            table.allow(&["kind", "direction", "irradiance"])?;
+            Ok(Light::Sun { direction: direction(&table)?, irradiance: power(&table, "irradiance")? })
+        }
+        other => Err(table.unknown(kind.line, "kind of light", other, &["point", "spot", "sun"])),
+    }
+}
+
+fn spot(table: Table) -> Result<Light> {
+    table.allow(&["kind", "position", "direction", "target", "intensity", "angle_inner", "angle_outer"])?;
+    let position = table.vector("position")?.value;
+    let direction = match table.optional_vector("target")? {
+        Some(_) if table.optional_vector("direction")?.is_some() => {
+            return Err(table.fault(table.line(), "both direction and target", "give one of them"));
+        }
+        Some(target) => (target - position).try_normalize().ok_or_else(|| {
+            table.fault(table.line(), "spot whose target is its position", "move one of them")
+        })?,
+        None => direction(&table)?,
+    };
+    let mut angles = DEFAULT_SPOT;
+    let inner = table.number("angle_inner")?;
+    let outer = table.number("angle_outer")?;
+    if let Some(outer) = outer {
+        // A lone outer angle keeps the proportion of the defaults.
+        angles = [outer.value * DEFAULT_SPOT[0] / DEFAULT_SPOT[1], outer.value];
+    }
+    if let Some(inner) = inner {
+        angles[0] = inner.value;
+        if outer.is_none() {
+            angles[1] = angles[1].max(inner.value);
+        }
+    }
+    let line = outer.or(inner).map_or(table.line(), |a| a.line);
+    if !(angles[0] >= 0.0 && angles[1] > 0.0 && angles[0] <= angles[1] && angles[1] <= 180.0) {
+        let what = format!("spot with half angles {} and {} degrees", angles[0], angles[1]);
+        return Err(table.fault(line, &what, "give 0 <= angle_inner <= angle_outer <= 180"));
+    }
+    Ok(Light::Spot {
+        position,
+        direction,
+        intensity: power(&table, "intensity")?,
+        cos_inner: angles[0].to_radians().cos(),
+        cos_outer: angles[1].to_radians().cos(),
+    })
+}
+
+fn direction(table: &Table) -> Result<DVec3> {
+    let direction = table.vector("direction")?;
+    direction.value.try_normalize().ok_or_else(|| {
+        table.fault(direction.line, "direction without length", "give a vector that is not zero")
+    })
+}
+
+/// A quantity of light: required, and something in some band.
+fn power(table: &Table, key: &str) -> Result<Bands> {
+    let Some(At { value, line }) = table.bands(key)? else {
+        return Err(table.missing(key));
+    };
+    if crate::bands::is_black(&value) {
+        return Err(table.fault(
+            line,
+            &format!("light without {key}"),
+            "give a value above 0 or remove the light",
+        ));
+    }
+    Ok(value)
+}
+
+/// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
+fn material(table: Table, path: &Path) -> Result<RawMaterial> {
+    table.allow(&["name", "type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness"])?;
+    let kind = table.optional_string("type")?;
+    let kind = match kind.as_ref().map(|k| (k.value.as_str(), k.line)) {
+        None => None,
+        Some(("matte", _)) => Some(Kind::Matte),
+        Some(("mirror", _)) => Some(Kind::Mirror),
+        Some(("glass", _)) => Some(Kind::Glass),
+        Some(("glossy", _)) => Some(Kind::Glossy),
+        Some((other, line)) => {
+            return Err(table.unknown(
+                line,
+                "type of material",
+                other,
+                &["matte", "mirror", "glass", "glossy"],
+            ));
+        }
+    };
+    let single = |value: Option<At<f64>>| value.map(|v| At { value: v.value as f32, line: v.line });
+    Ok(RawMaterial {
+        name: table.string("name")?.value,
+        file: path.to_owned(),
+        line: table.line(),
+        kind,
+        kd: table.bands("kd")?,
+        ks: table.bands("ks")?,
+        ke: table.bands("ke")?,
+        tf: table.bands("tint")?,
+        ni: single(table.number("ior")?),
+        ns: single(table.number("exponent")?),
+        pr: single(table.number("roughness")?),
+        ..Default::default()
+    })
+}

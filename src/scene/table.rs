@@ -1,0 +1,199 @@
+// Table: typed access to a TOML table in which every fault names its line.
+
+use super::mtl::At;
+use super::text;
+use crate::bands::{BANDS, Bands};
+use crate::{Error, Result};
+use glam::DVec3;
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Parses TOML; a fault of syntax names its line.
+pub(crate) fn parse<'a>(source: &'a str, path: &Path) -> Result<Spanned<DeTable<'a>>> {
+    DeTable::parse(source).map_err(|e| {
+        let line = e.span().map(|span| text::line_at(source, span.start));
+        Error::scene(path, line, e.message().replace('\n', " "), "mend the TOML")
+    })
+}
+
+/// A table of a scene file.
+#[derive(Clone)]
+pub(crate) struct Table<'a> {
+    path: &'a Path,
+    source: &'a str,
+    /// What the user calls it: `[camera]`.
+    name: String,
+    entries: &'a DeTable<'a>,
+    span: Range<usize>,
+}
+
+impl<'a> Table<'a> {
+    /// Wraps a parsed table.
+    pub(crate) fn new(
+        path: &'a Path,
+        source: &'a str,
+        name: impl Into<String>,
+        entries: &'a DeTable<'a>,
+        span: Range<usize>,
+    ) -> Self {
+        Self { path, source, name: name.into(), entries, span }
+    }
+
+    /// Line of its header, from 1.
+    pub(crate) fn line(&self) -> usize {
+        text::line_at(self.source, self.span.start)
+    }
+
+    /// A fault at a line of this file.
+    pub(crate) fn fault(&self, line: usize, what: &str, remedy: &str) -> Error {
+        Error::scene(self.path, Some(line), what, remedy)
+    }
+
+    /// A word that is none of those that are known.
+    pub(crate) fn unknown(&self, line: usize, what: &str, word: &str, known: &[&str]) -> Error {
+        let remedy = match text::did_you_mean(word, known.iter().copied()) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("known are {}", known.join(", ")),
+        };
+        self.fault(line, &format!("unknown {what} \"{word}\""), &remedy)
+    }
+
+    /// A key that must be there and is not.
+    pub(crate) fn missing(&self, key: &str) -> Error {
+        self.fault(self.line(), &format!("{} has no {key}", self.name), &format!("add {key} = …"))
+    }
+
+    /// Refuses keys that are not known.
+    pub(crate) fn allow(&self, known: &[&str]) -> Result<()> {
+        let mut keys: Vec<_> = self.entries.keys().collect();
+        keys.sort_by_key(|key| key.span().start);
+        match keys.into_iter().find(|key| !known.contains(&key.get_ref().as_ref())) {
+            Some(key) => {
+                let line = text::line_at(self.source, key.span().start);
+                Err(self.unknown(line, &format!("key in {}:", self.name), key.get_ref(), known))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn get(&self, key: &str) -> Option<(&'a DeValue<'a>, usize, Range<usize>)> {
+        let value = self.entries.get(key)?;
+        Some((value.get_ref(), text::line_at(self.source, value.span().start), value.span()))
+    }
+
+    fn wrong(&self, key: &str, line: usize, expected: &str) -> Error {
+        self.fault(line, &format!("{key} is not {expected}"), &format!("give {expected}"))
+    }
+
+    /// A table within this one.
+    pub(crate) fn table(&self, key: &str) -> Result<Option<Table<'a>>> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::Table(entries), _, span)) => {
+                Ok(Some(Table::new(self.path, self.source, format!("[{key}]"), entries, span)))
+            }
+            Some((_, line, _)) => Err(self.wrong(key, line, &format!("a table: [{key}]"))),
+        }
+    }
+
+    /// The tables of an array of tables.
+    pub(crate) fn tables(&self, key: &str) -> Result<Vec<Table<'a>>> {
+        let expected = format!("an array of tables: [[{key}]]");
+        let Some((value, line, _)) = self.get(key) else { return Ok(Vec::new()) };
+        let DeValue::Array(items) = value else { return Err(self.wrong(key, line, &expected)) };
+        let table = |item: &'a Spanned<DeValue<'a>>| match item.get_ref() {
+            DeValue::Table(entries) => {
+                Ok(Table::new(self.path, self.source, format!("[[{key}]]"), entries, item.span()))
+            }
+            _ => Err(self.wrong(key, text::line_at(self.source, item.span().start), &expected)),
+        };
+        items.iter().map(table).collect()
+    }
+
+    /// A text that must be there.
+    pub(crate) fn string(&self, key: &str) -> Result<At<String>> {
+        self.optional_string(key)?.ok_or_else(|| self.missing(key))
+    }
+
+    /// A text.
+    pub(crate) fn optional_string(&self, key: &str) -> Result<Option<At<String>>> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::String(value), line, _)) => {
+                Ok(Some(At { value: value.clone().into_owned(), line }))
+            }
+            Some((_, line, _)) => Err(self.wrong(key, line, "a text in quotes")),
+        }
+    }
+
+    /// A whole number.
+    pub(crate) fn integer(&self, key: &str) -> Result<Option<At<i64>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let whole = match value {
+            DeValue::Integer(i) => i64::from_str_radix(&i.as_str().replace('_', ""), i.radix()).ok(),
+            _ => None,
+        };
+        whole.map(|value| Some(At { value, line })).ok_or_else(|| self.wrong(key, line, "a whole number"))
+    }
+
+    /// A finite number.
+    pub(crate) fn number(&self, key: &str) -> Result<Option<At<f64>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        finite(value)
+            .map(|value| Some(At { value, line }))
+            .ok_or_else(|| self.wrong(key, line, "a finite number"))
+    }
+
+    fn numbers<const N: usize>(&self, key: &str) -> Option<(Option<[f64; N]>, usize)> {
+        let (value, line, _) = self.get(key)?;
+        let values = match value {
+            DeValue::Array(items) => {
+                items.iter().map(|item| finite(item.get_ref())).collect::<Option<Vec<f64>>>()
+            }
+            _ => None,
+        };
+        Some((values.and_then(|v| v.try_into().ok()), line))
+    }
+
+    /// Three finite numbers that must be there.
+    pub(crate) fn vector(&self, key: &str) -> Result<At<DVec3>> {
+        let (values, line) = self.numbers::<3>(key).ok_or_else(|| self.missing(key))?;
+        let value = values.ok_or_else(|| self.wrong(key, line, "three finite numbers: [x, y, z]"))?;
+        Ok(At { value: DVec3::from(value), line })
+    }
+
+    /// Three finite numbers.
+    pub(crate) fn optional_vector(&self, key: &str) -> Result<Option<DVec3>> {
+        if self.get(key).is_none() { Ok(None) } else { Ok(Some(self.vector(key)?.value)) }
+    }
+
+    /// One number per band, or one for all; none negative.
+    pub(crate) fn bands(&self, key: &str) -> Result<Option<At<Bands>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let values = match finite(value) {
+            Some(all) => Some([all; BANDS]),
+            None => self.numbers::<BANDS>(key).and_then(|(values, _)| values),
+        };
+        let values = values.map(|v| v.map(|x| x as f32));
+        match values {
+            Some(values) if values.iter().all(|v| v.is_finite() && *v >= 0.0) => {
+                Ok(Some(At { value: values, line }))
+            }
+            _ => Err(self.wrong(key, line, "three finite numbers of at least 0: [r, g, b], or one for all")),
+        }
+    }
+}
+
+fn finite(value: &DeValue) -> Option<f64> {
+    let text = match value {
+        DeValue::Float(f) => f.as_str().replace('_', ""),
+        DeValue::Integer(i) => {
+            let digits = i.as_str().replace('_', "");
+            return i64::from_str_radix(&digits, i.radix()).ok().map(|i| i as f64);
+        }
+        _ => return None,
+    };
+    text.parse().ok().filter(|v: &f64| v.is_finite())
+}
