@@ -62,7 +62,8 @@ fn main() -> joton::Result<()> {
     }
     let picture = film.picture();
     for (layer, image) in Layer::ALL.iter().zip(&picture.layers) {
-        let mean = |b: usize| image.pixels.iter().map(|p| f64::from(p[b])).sum::<f64>() / image.pixels.len() as f64;
+        let mean =
+            |b: usize| image.pixels.iter().map(|p| f64::from(p[b])).sum::<f64>() / image.pixels.len() as f64;
         println!("{:9} mean {:.5} {:.5} {:.5}", layer.name(), mean(0), mean(1), mean(2));
     }
     exr::write_picture(Path::new(&format!("{}.exr", args[2])), &picture, "")?;

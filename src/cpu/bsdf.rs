@@ -26,9 +26,8 @@ pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
 pub fn refract(d: Vec3, n: Vec3, eta_i_over_t: f32) -> Option<Vec3> {
     let cos_i = -d.dot(n);
     let sin2_t = eta_i_over_t * eta_i_over_t * (1.0 - cos_i * cos_i).max(0.0);
-    (sin2_t < 1.0).then(|| {
-        (d * eta_i_over_t + n * (eta_i_over_t * cos_i - (1.0 - sin2_t).sqrt())).normalize()
-    })
+    (sin2_t < 1.0)
+        .then(|| (d * eta_i_over_t + n * (eta_i_over_t * cos_i - (1.0 - sin2_t).sqrt())).normalize())
 }
 
 /// The mirror image of `w` about `n`, both leaving the surface.

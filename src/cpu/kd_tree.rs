@@ -171,7 +171,9 @@ mod tests {
                 let mut found: Vec<u32> = Vec::new();
                 tree.visit(center, radius_squared, |quads| {
                     for slot in &slots[quads.start * LANES..quads.end * LANES] {
-                        if *slot != EMPTY && (points[*slot as usize] - center).length_squared() < radius_squared {
+                        if *slot != EMPTY
+                            && (points[*slot as usize] - center).length_squared() < radius_squared
+                        {
                             found.push(*slot);
                         }
                     }

@@ -65,7 +65,9 @@ impl JotonMap {
             .collect();
         let flux = groups()
             .map(|s| {
-                std::array::from_fn(|b| lanes(|l| if s[l] == EMPTY { 0.0 } else { jotons[s[l] as usize].flux[b] }))
+                std::array::from_fn(|b| {
+                    lanes(|l| if s[l] == EMPTY { 0.0 } else { jotons[s[l] as usize].flux[b] })
+                })
             })
             .collect();
         Self { tree, fours, flux, slots, jotons }

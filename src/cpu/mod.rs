@@ -28,6 +28,7 @@ use crate::film::{LAYERS, Layer};
 use crate::pack::{PackedScene, scatter_area_points};
 use crate::plan::{Plan, shrink};
 use crate::rng::sequence_seed;
+use boundary::Interior;
 use maps::{AreaMap, JotonMap};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -47,8 +48,16 @@ pub struct CpuBackend {
     plan: Plan,
     /// Squared caustic radius of each pixel in the first pass; empty until it is needed.
     caustic_base: Vec<f32>,
-    /// Area points, and the group of passes they belong to.
-    area: Option<(u64, AreaMap)>,
+    area: Option<Area>,
+}
+
+/// What is known of the diffuse surfaces' area, for a group of passes.
+struct Area {
+    /// The group's number.
+    group: u64,
+    map: AreaMap,
+    /// For each pixel; empty in the first pass of a group, which may be the only one that is rendered.
+    interiors: Vec<Interior>,
 }
 
 /// Everything that the pixels of one pass read.
@@ -62,8 +71,10 @@ struct Pass<'a> {
     caustic_base: &'a [f32],
     /// Factor on the squared caustic radius.
     caustic_shrink: f32,
-    /// Squared radius of the diffuse map.
-    diffuse_radius_squared: f32,
+    /// Radius of the diffuse map.
+    diffuse_radius: f32,
+    /// Where each pixel's disc is known to be whole; empty where nothing is known.
+    interiors: &'a [Interior],
 }
 
 impl CpuBackend {
@@ -72,18 +83,31 @@ impl CpuBackend {
         Self { scene, plan, caustic_base: Vec::new(), area: None }
     }
 
-    /// Scatter new area points where `pass` belongs to another group than the last.
+    /// Scatter new area points where `pass` belongs to another group than the last; survey them once they are used
+    /// a second time. What is done depends on the pass alone, not on those rendered before.
     fn refresh_area(&mut self, pass: u64) {
-        let group = pass / PASSES_PER_SCATTER;
-        if !self.plan.traces(Layer::Diffuse) || self.area.as_ref().is_some_and(|a| a.0 == group) {
+        if !self.plan.traces(Layer::Diffuse) {
             return;
         }
-        // dense enough for the smallest radius of the group
-        let radius = self.plan.diffuse.radius((group + 1) * PASSES_PER_SCATTER - 1);
-        let count = AREA_POINTS_PER_DISC * self.scene.diffuse_area / (PI * radius * radius);
-        let seed = sequence_seed(self.plan.settings.seed, group as u32, streams::STREAM_AREA);
-        let (points, area_each) = scatter_area_points(&self.scene, count.min(AREA_POINTS_MAX).ceil() as usize, seed);
-        self.area = Some((group, AreaMap::new(&points, area_each)));
+        let group = pass / PASSES_PER_SCATTER;
+        let first = group * PASSES_PER_SCATTER;
+        let (scene, plan) = (&self.scene, &self.plan);
+        if self.area.as_ref().is_none_or(|a| a.group != group) {
+            // dense enough for the smallest radius of the group
+            let radius = plan.diffuse.radius(first + PASSES_PER_SCATTER - 1);
+            let count = AREA_POINTS_PER_DISC * scene.diffuse_area / (PI * radius * radius);
+            let seed = sequence_seed(plan.settings.seed, group as u32, streams::STREAM_AREA);
+            let (points, area_each) =
+                scatter_area_points(scene, count.min(AREA_POINTS_MAX).ceil() as usize, seed);
+            self.area = Some(Area { group, map: AreaMap::new(&points, area_each), interiors: Vec::new() });
+        }
+        if let Some(area) = &mut self.area
+            && pass != first
+            && area.interiors.is_empty()
+        {
+            let radius = plan.diffuse.radius(first) as f32;
+            area.interiors = pixels::interiors(scene, plan, first as u32, &area.map, radius);
+        }
     }
 
     fn pass(&mut self, pass: u64, layers: &mut [Vec<Bands>; LAYERS], tally: &mut Tally) {
@@ -98,16 +122,20 @@ impl CpuBackend {
         };
         let (caustic, diffuse) = (map(Layer::Caustic), map(Layer::Diffuse));
         let diffuse_radius = plan.diffuse.radius(pass) as f32;
+        // pass by pass the same, whatever was rendered before: the first pass of a group knows nothing
+        let area = self.area.as_ref();
+        let known = pass % PASSES_PER_SCATTER != 0;
         let pass = Pass {
             scene,
             plan,
             index,
             caustic,
             diffuse,
-            area: self.area.as_ref().map(|a| &a.1),
+            area: area.map(|a| &a.map),
             caustic_base: &self.caustic_base,
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
-            diffuse_radius_squared: diffuse_radius * diffuse_radius,
+            diffuse_radius,
+            interiors: area.filter(|_| known).map_or(&[][..], |a| &a.interiors[..]),
         };
         *tally += pixels::render(&pass, layers);
     }

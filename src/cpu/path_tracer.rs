@@ -67,7 +67,8 @@ impl Backend for PathTracer {
             })
             .collect();
         let mut tally = Tally::default();
-        let mut layers: [Vec<Bands>; LAYERS] = std::array::from_fn(|_| Vec::with_capacity(self.scene.pixels()));
+        let mut layers: [Vec<Bands>; LAYERS] =
+            std::array::from_fn(|_| Vec::with_capacity(self.scene.pixels()));
         for (row, counts) in rows {
             tally += counts;
             for pixel in row {

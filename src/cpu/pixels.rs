@@ -1,8 +1,8 @@
 //! Pixels: one pass's eye path, direct light and gather of every pixel, in small tiles so that neighbours share caches.
 
-use super::boundary::{Weights, weights};
+use super::boundary::{Interior, Weights, weights};
 use super::gather::{Window, count, radiance};
-use super::maps::JotonMap;
+use super::maps::{AreaMap, JotonMap};
 use super::{Pass, direct, eye};
 use crate::backend::Tally;
 use crate::bands::{Bands, add};
@@ -84,13 +84,39 @@ fn one(pass: &Pass, pixel: u32, tally: &mut Tally) -> [Bands; LAYERS] {
         let [smallest, largest] = caustic_limits(scene, plan, &g);
         let base = pass.caustic_base[pixel as usize].clamp(smallest, largest);
         let w = Window::new(&g, base * base * pass.caustic_shrink);
-        out[Layer::Caustic as usize] = radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared), accepted);
+        out[Layer::Caustic as usize] =
+            radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared), accepted);
     }
     if let (true, Some(area)) = (plan.traces(Layer::Diffuse), pass.area) {
-        let w = Window::new(&g, pass.diffuse_radius_squared);
-        out[Layer::Diffuse as usize] = radiance(&pass.diffuse, &g, &w, weights(area, &w).0, accepted);
+        let w = Window::new(&g, pass.diffuse_radius * pass.diffuse_radius);
+        let whole = pass.interiors.get(pixel as usize).is_some_and(|i| i.holds(&g, pass.diffuse_radius));
+        let weights = if whole { Weights::plain(w.radius_squared) } else { weights(area, &w) };
+        out[Layer::Diffuse as usize] = radiance(&pass.diffuse, &g, &w, weights, accepted);
     }
     out
+}
+
+/// What surrounds each pixel's gather point of a pass: whole surface or not.
+pub(super) fn interiors(
+    scene: &PackedScene,
+    plan: &Plan,
+    pass: u32,
+    area: &AreaMap,
+    radius: f32,
+) -> Vec<Interior> {
+    let strips: Vec<Vec<(u32, Interior)>> = (0..scene.size[1].div_ceil(TILE))
+        .into_par_iter()
+        .map(|i| {
+            let surveyed = strip(scene.size, i).filter_map(|pixel| {
+                let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point?;
+                Some((pixel, Interior::survey(area, &g, radius)))
+            });
+            surveyed.collect()
+        })
+        .collect();
+    let mut all = vec![Interior::default(); scene.pixels()];
+    strips.into_iter().flatten().for_each(|(pixel, interior)| all[pixel as usize] = interior);
+    all
 }
 
 /// Smallest and largest caustic radius of the first pass at a gather point.

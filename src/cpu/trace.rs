@@ -77,11 +77,9 @@ impl Odds {
     fn new(s: &Surface, boundary: Option<&Boundary>, flux: &Bands) -> Self {
         let m = s.material;
         let reflectances = match boundary {
-            Some(b) => [
-                reflectance_d(m),
-                scale(&m.specular, b.fresnel),
-                scale(&m.transmission, 1.0 - b.fresnel),
-            ],
+            Some(b) => {
+                [reflectance_d(m), scale(&m.specular, b.fresnel), scale(&m.transmission, 1.0 - b.fresnel)]
+            }
             None => [reflectance_d(m), m.specular, [0.0; BANDS]],
         };
         let p = reflectances.map(|r| max(&mul(&r, flux)) / max(flux));
@@ -148,7 +146,8 @@ impl Tracer<'_> {
             let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
             let odds = Odds::new(&s, boundary.as_ref(), &flux);
             if !CAUSTIC {
-                let lost = odds.ways.iter().fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
+                let lost =
+                    odds.ways.iter().fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
                 add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
             }
             let Some(way) = odds.choose(u_way) else { return };

@@ -134,7 +134,11 @@ impl Context {
     ///
     /// # Errors
     /// [`Error::Device`] where the copy fails.
-    pub fn read(&self, staging: &mut Option<wgpu::Buffer>, sources: &[&wgpu::Buffer]) -> Result<Vec<Vec<u8>>> {
+    pub fn read(
+        &self,
+        staging: &mut Option<wgpu::Buffer>,
+        sources: &[&wgpu::Buffer],
+    ) -> Result<Vec<Vec<u8>>> {
         let total: u64 = sources.iter().map(|b| b.size()).sum();
         if staging.as_ref().is_none_or(|s| s.size() < total) {
             *staging = Some(self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -165,7 +169,8 @@ impl Context {
         }
         let mut out = Vec::with_capacity(sources.len());
         {
-            let mapped = staging.get_mapped_range(..total).map_err(|e| failed(format!("mapping failed: {e}")))?;
+            let mapped =
+                staging.get_mapped_range(..total).map_err(|e| failed(format!("mapping failed: {e}")))?;
             let mut at = 0;
             for source in sources {
                 let size = source.size() as usize;

@@ -62,9 +62,10 @@ impl Kernel {
         entry: &str,
         overrides: &[(&str, f64)],
     ) -> Result<Self> {
-        let failed = |what: String| Error::device(format!("{label}: {what}"), "report this as a bug of joton");
-        let module =
-            naga::front::wgsl::parse_str(source).map_err(|e| failed(e.emit_to_string_with_path(source, label)))?;
+        let failed =
+            |what: String| Error::device(format!("{label}: {what}"), "report this as a bug of joton");
+        let module = naga::front::wgsl::parse_str(source)
+            .map_err(|e| failed(e.emit_to_string_with_path(source, label)))?;
         let bindings = reflect(&module);
         let constants: Vec<(&str, f64)> = overrides
             .iter()
@@ -111,16 +112,21 @@ impl Kernel {
     ///
     /// # Errors
     /// [`Error::Device`] where a buffer is missing.
-    pub fn bind(&self, context: &Context, buffers: &Buffers, renamed: &[(&str, &'static str)]) -> Result<Step> {
+    pub fn bind(
+        &self,
+        context: &Context,
+        buffers: &Buffers,
+        renamed: &[(&str, &'static str)],
+    ) -> Result<Step> {
         let buffer_of = |b: &Binding| {
             let name = if DYNAMIC.contains(&b.name.as_str()) {
                 "ring"
             } else {
                 renamed.iter().find(|(from, _)| *from == b.name).map_or(b.name.as_str(), |(_, to)| to)
             };
-            buffers
-                .get(name)
-                .ok_or_else(|| Error::device(format!("no buffer is called {name}"), "report this as a bug of joton"))
+            buffers.get(name).ok_or_else(|| {
+                Error::device(format!("no buffer is called {name}"), "report this as a bug of joton")
+            })
         };
         let mut groups = Vec::new();
         let mut dynamic = Vec::new();
@@ -146,7 +152,9 @@ impl Kernel {
                 layout,
                 entries: &entries,
             }));
-            dynamic.push(here().filter(|b| DYNAMIC.contains(&b.name.as_str())).map(|b| b.name.clone()).collect());
+            dynamic.push(
+                here().filter(|b| DYNAMIC.contains(&b.name.as_str())).map(|b| b.name.clone()).collect(),
+            );
         }
         context.check()?;
         Ok(Step { pipeline: self.pipeline.clone(), groups, dynamic })

@@ -220,7 +220,13 @@ impl Map {
     }
 
     /// The uniform of a pass. `random_pass` addresses the random numbers, `pass` the radius.
-    pub(super) fn info(&self, scene: &PackedScene, schedule: &Schedule, pass: u64, random_pass: u32) -> MapInfo {
+    pub(super) fn info(
+        &self,
+        scene: &PackedScene,
+        schedule: &Schedule,
+        pass: u64,
+        random_pass: u32,
+    ) -> MapInfo {
         let radius = schedule.radius(pass) as f32;
         let extent = scene.bounds[1] - scene.bounds[0];
         let cells_per_unit = (1.0 / radius).min(COLUMNS_MAX / extent.max_element());
@@ -251,7 +257,13 @@ impl Map {
     }
 
     /// Record tracing and sorting. The lanes must be cleared.
-    pub(super) fn record(&self, pass: &mut wgpu::ComputePass<'_>, ring: &mut Ring, pass_info: u32, info: &MapInfo) {
+    pub(super) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        ring: &mut Ring,
+        pass_info: u32,
+        info: &MapInfo,
+    ) {
         let map_info = ring.push(info);
         let at = [("pass_info", pass_info), ("map_info", map_info)];
         for _ in 0..self.shape.dispatches {

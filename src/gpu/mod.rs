@@ -101,7 +101,12 @@ impl GpuBackend {
         let buffers = scene_buffers::upload(&context, &scene, &plan)?;
         let lanes = |emitted: u32| {
             let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
-            (emitted > 0).then(|| Shape { emitted, lanes: emitted.div_ceil(per_lane), lane_capacity: 1, dispatches: 1 })
+            (emitted > 0).then(|| Shape {
+                emitted,
+                lanes: emitted.div_ceil(per_lane),
+                lane_capacity: 1,
+                dispatches: 1,
+            })
         };
         let shapes = Shapes { caustic: lanes(plan.caustic_jotons), diffuse: lanes(plan.diffuse_jotons) };
         let ring = Ring::new(&context);
@@ -136,7 +141,10 @@ impl GpuBackend {
                     wanted.dispatches = shape.dispatches * 2;
                     settled = false;
                     if wanted.dispatches > DISPATCHES_MAX {
-                        return Err(Error::device("a joton's path does not end", "report this as a bug of joton"));
+                        return Err(Error::device(
+                            "a joton's path does not end",
+                            "report this as a bug of joton",
+                        ));
                     }
                 } else if stored > shape.lane_capacity {
                     wanted.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32 + 4;
@@ -183,7 +191,9 @@ impl GpuBackend {
         context.check()?;
         let (kernels, buffers) = (&self.kernels, &self.buffers);
         let mut maps = Vec::new();
-        for (kind, film, fits) in [(Kind::Caustic, "film_caustic", "radii"), (Kind::Diffuse, "film_diffuse", "fits")] {
+        for (kind, film, fits) in
+            [(Kind::Caustic, "film_caustic", "radii"), (Kind::Diffuse, "film_diffuse", "fits")]
+        {
             let i = kind as usize;
             if let (Some(shape), Some(trace), Some(gather), Some(map)) =
                 (self.shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
@@ -196,9 +206,10 @@ impl GpuBackend {
             k.as_ref().map(|k| k.bind(context, buffers, names)).transpose()
         };
         let pilot = match (&kernels.caustic_count, &kernels.caustic_radius) {
-            (Some(count), Some(radius)) => {
-                Some([count.bind(context, buffers, &[])?, radius.bind(context, buffers, &[("fits", "radii")])?])
-            }
+            (Some(count), Some(radius)) => Some([
+                count.bind(context, buffers, &[])?,
+                radius.bind(context, buffers, &[("fits", "radii")])?,
+            ]),
             _ => None,
         };
         self.steps = Some(Steps {
@@ -239,7 +250,8 @@ impl GpuBackend {
         let pass_info = self.ring.push(&self.pass_info(PILOT_PASS));
         let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
         let info = map.info(&self.scene, schedule, 0, PILOT_PASS);
-        let mut encoder = self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(&self.buffers["lanes"], 0, None);
         encoder.clear_buffer(&self.buffers["status"], 0, None);
         {
@@ -270,7 +282,8 @@ impl GpuBackend {
     /// Put fresh area points on the device where those there are old or too sparse for the radius of `pass`.
     fn renew_area_points(&mut self, pass: u64) -> Result<()> {
         let radius = self.plan.diffuse.radius(pass);
-        if self.area.as_ref().is_some_and(|a| pass.abs_diff(a.first_pass) < AREA_PASSES && a.radius >= radius) {
+        if self.area.as_ref().is_some_and(|a| pass.abs_diff(a.first_pass) < AREA_PASSES && a.radius >= radius)
+        {
             return Ok(());
         }
         let grid = area::build(&self.scene, radius, pass as u32);
@@ -303,7 +316,8 @@ impl GpuBackend {
         let pass_info = self.ring.push(&self.pass_info(pass_index));
         let Some(steps) = &self.steps else { return Ok(()) };
         let pixels = self.scene.pixels() as u32;
-        let mut encoder = self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             let at = [("pass_info", pass_info)];
@@ -337,7 +351,8 @@ impl GpuBackend {
     }
 
     fn clear_films(&self) {
-        let mut encoder = self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for name in FILMS.into_iter().chain(["status", "tallies_caustic", "tallies_diffuse"]) {
             encoder.clear_buffer(&self.buffers[name], 0, None);
         }
@@ -401,7 +416,10 @@ impl Backend for GpuBackend {
         let mut batch = Batch { layers: std::array::from_fn(|_| Vec::new()), tally: Tally::default() };
         for (layer, bytes) in batch.layers.iter_mut().zip(&films) {
             let pixels: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            *layer = pixels[..self.scene.pixels()].iter().map(|p| keep_finite(p, &mut batch.tally.non_finite)).collect();
+            *layer = pixels[..self.scene.pixels()]
+                .iter()
+                .map(|p| keep_finite(p, &mut batch.tally.non_finite))
+                .collect();
         }
         let t = &mut batch.tally;
         t.rays = u64::from(words[status::RAYS as usize]);
@@ -489,7 +507,9 @@ impl Kernels {
             ],
             boundary: optional(diffuse, &|| compile("boundary.wgsl"))?,
             caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
-            caustic_radius: optional(caustic, &|| Kernel::new(context, "caustic_radius.wgsl", "main", &pilot))?,
+            caustic_radius: optional(caustic, &|| {
+                Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)
+            })?,
             map: (caustic || diffuse).then(|| MapKernels::new(context)).transpose()?,
         })
     }

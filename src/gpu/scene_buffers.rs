@@ -42,7 +42,9 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         buffers.insert(name, buffer);
     }
     let filter = path_filter(plan);
-    for (name, bytes) in [("targets", bytemuck::bytes_of(&targets)), ("path_filter", bytemuck::bytes_of(&filter))] {
+    for (name, bytes) in
+        [("targets", bytemuck::bytes_of(&targets)), ("path_filter", bytemuck::bytes_of(&filter))]
+    {
         let buffer = uniform(context, name, bytes.len() as u64);
         context.queue.write_buffer(&buffer, 0, bytes);
         buffers.insert(name, buffer);
@@ -75,11 +77,8 @@ fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
 pub(super) fn encode(n: Vec3) -> u32 {
     let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
-    let e = if n.z < 0.0 {
-        Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y))
-    } else {
-        p
-    };
+    let e =
+        if n.z < 0.0 { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) } else { p };
     let snorm = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32_767.0).round() as i16 as u16);
     snorm(e.x) | snorm(e.y) << 16
 }

@@ -75,9 +75,7 @@ fn append<'a>(text: &'a str, linked: &mut String, done: &mut Vec<&'a str>) -> Re
 }
 
 fn find(path: &str) -> Result<&'static str> {
-    SOURCES
-        .iter()
-        .find(|(name, _)| *name == path)
-        .map(|(_, text)| *text)
-        .ok_or_else(|| Error::device(format!("shader file {path} does not exist"), "add it to gpu/shaders.rs"))
+    SOURCES.iter().find(|(name, _)| *name == path).map(|(_, text)| *text).ok_or_else(|| {
+        Error::device(format!("shader file {path} does not exist"), "add it to gpu/shaders.rs")
+    })
 }
