@@ -12,13 +12,30 @@
 @group(0) @binding(3) var<storage, read> area_points: array<AreaPoint>;
 @group(0) @binding(4) var<storage, read> area_starts: array<u32>;
 @group(0) @binding(5) var<storage, read_write> fits: array<Fit>;
-@group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> edges: array<u32>;
+@group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+
+// The pilot finds the pixels whose discs are not whole; later passes look at these, their neighbours and at what is seen
+// through specular surfaces. The radius only shrinks: what is whole stays whole.
+override PILOT: bool = false;
 
 // A disc is whole where it has this part of its area and its centroid lies this near (in radii).
 const WHOLE_AREA: f32 = 0.95;
 const WHOLE_CENTROID: f32 = 0.05;
 // A fit may raise the variance of a joton's weight by this factor at most; beyond, the area alone is corrected.
 const AMPLIFICATION_MAX: f32 = 20.0;
+
+fn edge_near(pixel: u32) -> bool {
+    let x0 = pixel % pass_info.width;
+    let y0 = pixel / pass_info.width;
+    var near = 0u;
+    for (var y = max(y0, 1u) - 1u; y <= min(y0 + 1u, pass_info.height - 1u); y += 1u) {
+        for (var x = max(x0, 1u) - 1u; x <= min(x0 + 1u, pass_info.width - 1u); x += 1u) {
+            near |= edges[y * pass_info.width + x];
+        }
+    }
+    return near != 0u;
+}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -27,39 +44,48 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let point = gather_points[pixel];
+    let r = map_info.radius;
+    let disc = PI * r * r;
+    let direct_view = ((point.surface >> 24u) & 63u) == 0u;
+    if direct_view && !PILOT && !edge_near(pixel) {
+        fits[pixel] = Fit(vec4(1.0 / disc, 0.0, 0.0, 0.0));
+        return;
+    }
     if max(point.throughput.x, max(point.throughput.y, point.throughput.z)) <= 0.0 {
         return;
     }
-    let r = map_info.radius;
     let normal = decode_direction(point.normal);
     let front = select(normal, -normal, (point.surface & BACK_SIDE) != 0u);
     let frame = basis(normal);
+    let r2 = r * r;
     let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.area_cells_per_unit);
     let highest = cell_of(point.position + r, map_info.grid_origin, map_info.area_cells_per_unit);
-    let first = column(lowest.x, map_info.area_columns);
-    let last = column(highest.x, map_info.area_columns);
+    let cell = 1.0 / map_info.area_cells_per_unit;
     var m = vec3(0.0); // n, Σx, Σy
     var mm = vec3(0.0); // Σxx, Σxy, Σyy
     for (var z = lowest.z; z <= highest.z; z += 1) {
         for (var y = lowest.y; y <= highest.y; y += 1) {
+            let reach = reach_in_row(point.position, r2, y, z, map_info.grid_origin, cell);
+            if reach < 0.0 {
+                continue;
+            }
             let row = row_bucket(y, z, map_info.area_row_mask);
+            let x = point.position.x - map_info.grid_origin.x;
+            let first = column(i32(floor((x - reach) * map_info.area_cells_per_unit)), map_info.area_columns);
+            let last = column(i32(floor((x + reach) * map_info.area_cells_per_unit)), map_info.area_columns);
             let end = area_starts[row + last + 1u];
             var i = area_starts[row + first];
             while i < end {
                 let a = area_points[i];
                 i += 1u;
                 let d = a.position - point.position;
-                if dot(d, d) < r * r {
-                    let cell = cell_of(a.position, map_info.grid_origin, map_info.area_cells_per_unit);
-                    let facing = dot(decode_direction(a.normal), front);
-                    let share = select(GATHER_SHEET_SHARE, GATHER_PLANE_SHARE, facing > 0.0);
-                    // another row may share this bucket: its points are counted when that row is visited
-                    if cell.y == y && cell.z == z && abs(facing) > GATHER_NORMAL_COS && abs(dot(d, normal)) < share * r {
-                        let x = dot(d, frame[0]) / r;
-                        let v = dot(d, frame[1]) / r;
-                        m += vec3(1.0, x, v);
-                        mm += vec3(x * x, x * v, v * v);
-                    }
+                let facing = dot(decode_normal24(a.normal), front);
+                let share = select(GATHER_SHEET_SHARE, GATHER_PLANE_SHARE, facing > 0.0);
+                if dot(d, d) < r2 && abs(facing) > 127.0 * GATHER_NORMAL_COS && abs(dot(d, normal)) < share * r {
+                    let u = dot(d, frame[0]);
+                    let v = dot(d, frame[1]);
+                    m += vec3(1.0, u, v);
+                    mm += vec3(u * u, u * v, v * v);
                 }
             }
             if i < end {
@@ -67,8 +93,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             }
         }
     }
-    let disc = PI * r * r;
+    m = vec3(m.x, m.yz / r);
+    mm /= r2;
     let area = m.x * map_info.area_each;
+    var edge = 0u;
     var c = vec4(1.0 / disc, 0.0, 0.0, 0.0);
     if m.x > 0.0 {
         let center = m.yz / m.x;
@@ -85,7 +113,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             } else {
                 c = vec4(1.0 / area, 0.0, 0.0, 0.0);
             }
+            edge = 1u;
         }
+    }
+    if PILOT {
+        edges[pixel] = edge;
     }
     fits[pixel] = Fit(c);
 }

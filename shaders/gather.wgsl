@@ -44,36 +44,40 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
     let frame = basis(normal);
+    let slope = (fit.y * frame[0] + fit.z * frame[1]) / r;
+    let r2 = r * r;
+    let plane = GATHER_PLANE_SHARE * r;
     let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.cells_per_unit);
     let highest = cell_of(point.position + r, map_info.grid_origin, map_info.cells_per_unit);
-    let first = column(lowest.x, map_info.columns);
-    let last = column(highest.x, map_info.columns);
+    let cell = 1.0 / map_info.cells_per_unit;
     var sum = Bands(0.0);
     for (var z = lowest.z; z <= highest.z; z += 1) {
         for (var y = lowest.y; y <= highest.y; y += 1) {
+            let reach = reach_in_row(point.position, r2, y, z, map_info.grid_origin, cell);
+            if reach < 0.0 {
+                continue;
+            }
             let row = row_bucket(y, z, map_info.row_mask);
+            let x = point.position.x - map_info.grid_origin.x;
+            let first = column(i32(floor((x - reach) * map_info.cells_per_unit)), map_info.columns);
+            let last = column(i32(floor((x + reach) * map_info.cells_per_unit)), map_info.columns);
             let end = bucket_starts[row + last + 1u];
             var i = bucket_starts[row + first];
             while i < end {
-                let position = sorted_jotons[i].position;
-                let d = position - point.position;
-                if dot(d, d) < r * r && abs(dot(d, normal)) < GATHER_PLANE_SHARE * r {
-                    let normal_state = sorted_jotons[i].normal_state;
-                    let cell = cell_of(position, map_info.grid_origin, map_info.cells_per_unit);
-                    // another row may share this bucket: its jotons are counted when that row is visited
-                    let here = cell.y == y && cell.z == z;
-                    if here && dot(decode_normal26(normal_state), normal) > GATHER_NORMAL_COS
-                        && (!HAS_PATH_FILTER || path_wanted(normal_state >> 26u, chain)) {
-                        var flux = sorted_jotons[i].flux;
-                        if is_glossy {
-                            let wi = decode_direction(sorted_jotons[i].wi);
-                            flux *= eval_brdf(materials[material], shading, wi, wo);
-                        }
-                        if CAUSTIC {
-                            sum += flux;
-                        } else {
-                            sum += flux * (fit.x + (fit.y * dot(d, frame[0]) + fit.z * dot(d, frame[1])) / r);
-                        }
+                let d = sorted_jotons[i].position - point.position;
+                let normal_state = sorted_jotons[i].normal_state;
+                if dot(d, d) < r2 && abs(dot(d, normal)) < plane
+                    && dot(decode_normal24(normal_state), normal) > 127.0 * GATHER_NORMAL_COS
+                    && (!HAS_PATH_FILTER || path_wanted(normal_state >> 24u, chain)) {
+                    var flux = sorted_jotons[i].flux;
+                    if is_glossy {
+                        let wi = decode_direction(sorted_jotons[i].wi);
+                        flux *= eval_brdf(materials[material], shading, wi, wo);
+                    }
+                    if CAUSTIC {
+                        sum += flux;
+                    } else {
+                        sum += flux * (fit.x + dot(d, slope));
                     }
                 }
                 i += 1u;

@@ -102,8 +102,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                     state = path_step(lane.status & 31u, EVENT_D);
                 }
                 jotons[region + lane.stored] = Joton(
-                    s.position, encode_direction(wi), lane.flux * adjoint_in,
-                    encode_normal26(geometric) | (state << 26u),
+                    s.position, encode_normal24(geometric) | (state << 24u), lane.flux * adjoint_in,
+                    encode_direction(wi),
                 );
             }
             lane.stored += 1u;

@@ -10,6 +10,14 @@ pub trait Backend {
     /// One line: the device and how it is driven.
     fn describe(&self) -> String;
 
+    /// From now on measure what each kernel takes (a little slower); nothing where the device cannot.
+    fn measure_kernels(&mut self) {}
+
+    /// Name, seconds and dispatches of each kernel since [`Backend::measure_kernels`].
+    fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
+        Vec::new()
+    }
+
     /// Render passes `first .. first + count`, numbered from 0.
     ///
     /// # Errors

@@ -100,6 +100,16 @@ impl Film {
         }
     }
 
+    /// Add the passes of another film of the same size.
+    pub fn merge(&mut self, other: &Film) {
+        self.passes += other.passes;
+        for (sum, more) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
+            for b in 0..BANDS {
+                sum[b] += more[b];
+            }
+        }
+    }
+
     /// Mean over the passes of one pixel, all layers together.
     pub fn mean(&self, pixel: usize) -> [f64; BANDS] {
         let n = self.passes.max(1) as f64;

@@ -81,7 +81,7 @@ gpu_struct! {
     pub struct MapInfo {
         /// Lower corner of the grid.
         pub grid_origin: Vec3,
-        /// One over the width of a cell; a cell is as wide as the largest gather radius.
+        /// One over the width of a cell.
         pub cells_per_unit: f32,
         /// Gather radius; of the caustic map the largest one.
         pub radius: f32,
@@ -136,10 +136,13 @@ gpu_struct! {
         pub shading_normal: u32,
         /// Direction toward the eye, octahedral.
         pub wo: u32,
-        /// Padding.
-        pub pad: u32,
+        /// [`PIXEL_GLINT`] or 0; stays from pass to pass.
+        pub pixel_flags: u32,
     }
 }
+
+/// Bit of [`GatherPoint::pixel_flags`]: emission in this pixel is the glint kernel's.
+pub const PIXEL_GLINT: u32 = 1;
 
 /// Bit of [`GatherPoint::surface`].
 pub const BACK_SIDE: u32 = 1 << 30;
@@ -149,13 +152,13 @@ gpu_struct! {
     pub struct Joton {
         /// Position.
         pub position: Vec3,
-        /// Direction it came from (wi, toward the light), octahedral.
-        pub wi: u32,
+        /// Geometric normal of the side that it met, signed 8 bits a component; in the top 8 bits the state of the
+        /// path automaton.
+        pub normal_state: u32,
         /// Flux, internal W per band; already divided by the number of emitted jotons.
         pub flux: Bands,
-        /// Geometric normal of the side that it met, octahedral in 13 + 13 bits; above it the state of the path
-        /// automaton.
-        pub normal_state: u32,
+        /// Direction it came from (wi, toward the light), octahedral.
+        pub wi: u32,
     }
 }
 
@@ -200,7 +203,7 @@ gpu_struct! {
     pub struct AreaPoint {
         /// Position.
         pub position: Vec3,
-        /// Front normal, octahedral.
+        /// Front normal, signed 8 bits a component.
         pub normal: u32,
     }
 }
@@ -267,6 +270,7 @@ pub fn constants() -> String {
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
     u("BACK_SIDE", BACK_SIDE);
+    u("PIXEL_GLINT", PIXEL_GLINT);
     u("STATUS_UNFINISHED", status::UNFINISHED);
     u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
     u("STATUS_NON_FINITE", status::NON_FINITE);
@@ -274,11 +278,26 @@ pub fn constants() -> String {
     u("STATUS_RAYS", status::RAYS);
     u("STATUS_TRUNCATED", status::TRUNCATED);
     u("STEP_BUDGET", STEP_BUDGET);
+    u("ROW_FACTOR_Y", ROW_FACTORS[0]);
+    u("ROW_FACTOR_Z", ROW_FACTORS[1]);
     u("PATH_START", crate::paths::LightPaths::START);
     writeln!(s, "const GATHER_NORMAL_COS: f32 = {GATHER_NORMAL_COS:?};").expect("writing to a string");
     writeln!(s, "const GATHER_PLANE_SHARE: f32 = {GATHER_PLANE_SHARE:?};").expect("writing to a string");
     writeln!(s, "const GATHER_SHEET_SHARE: f32 = {GATHER_SHEET_SHARE:?};").expect("writing to a string");
     s
+}
+
+/// A map's cells are this many times narrower than its radius. Smaller cells follow the disc more closely, but visiting
+/// a row costs as much as a few jotons: 2 was slower than 1.
+pub const CELLS_PER_RADIUS: f32 = 1.0;
+
+/// Factors of y and z in the number of a row's first bucket; see [`row_bucket`].
+pub const ROW_FACTORS: [u32; 2] = [0x9e37_79b1, 0x85eb_ca6b];
+
+/// First bucket of a row of cells. Twin: shaders/shared/grid.wgsl.
+pub fn row_bucket(y: i32, z: i32, row_mask: u32) -> u32 {
+    let [fy, fz] = ROW_FACTORS;
+    (y as u32).wrapping_mul(fy).wrapping_add((z as u32).wrapping_mul(fz)) & row_mask
 }
 
 /// Loop iterations after which a lane puts its work away until the next dispatch. llvmpipe silently ends all loops of
@@ -307,4 +326,28 @@ pub fn declarations() -> String {
         s.push_str(declaration);
     }
     s + &constants()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rows and columns that one gather visits (up to four by four, four columns wide) share no bucket, whatever the
+    /// size of the table: no joton is counted twice.
+    #[test]
+    fn neighbouring_rows_share_no_bucket() {
+        for bits in 12..=24 {
+            let mask = (1u32 << bits) - 1;
+            for dy in -3i32..=3 {
+                for dz in -3i32..=3 {
+                    if (dy, dz) == (0, 0) {
+                        continue;
+                    }
+                    let apart = row_bucket(dy, dz, mask);
+                    let apart = apart.min(mask + 1 - apart);
+                    assert!(apart >= 4, "{bits} bits, rows {dy} {dz} apart: {apart} buckets");
+                }
+            }
+        }
+    }
 }

@@ -14,6 +14,8 @@ pub mod output;
 pub mod pack;
 pub mod paths;
 pub mod plan;
+pub mod render;
+pub mod report;
 pub mod rng;
 pub mod scene;
 pub mod stats;

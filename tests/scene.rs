@@ -159,6 +159,13 @@ fn survivable_faults_are_counted() {
     warned(&scene, "a.obj:4", "vertex colours are ignored");
 }
 
+/// Corners in a line, but for the rounding of their decimals, span no triangle.
+#[test]
+fn rounding_makes_no_triangle() {
+    let line = "v .1 .2 .3\nv .4 .5 .6\nv .7 .8 .9\nf 1 2 3\n";
+    refused(load_obj(line), "a.obj", "no triangles");
+}
+
 /// Negative indices count from the last vertex so far; positive ones may point ahead.
 #[test]
 fn indices_count_both_ways() {

@@ -4,12 +4,22 @@ fn cell_of(position: vec3<f32>, origin: vec3<f32>, cells_per_unit: f32) -> vec3<
     return vec3<i32>(floor((position - origin) * cells_per_unit));
 }
 
-// First bucket of a row of cells (Teschner et al. 2003, two of their primes).
+// First bucket of a row of cells. Linear in y and z, with factors such that rows less than four apart never come nearer
+// than four buckets (a test tries them all): the rows and columns that one gather visits share no bucket, so no joton is
+// met twice. Jotons of far cells that do share a bucket fail the test of distance.
 fn row_bucket(y: i32, z: i32, row_mask: u32) -> u32 {
-    return ((u32(y) * 19349663u) ^ (u32(z) * 83492791u)) & row_mask;
+    return (u32(y) * ROW_FACTOR_Y + u32(z) * ROW_FACTOR_Z) & row_mask;
 }
 
 // Column of a cell, always inside the row: positions on the scene's boundary may round to one cell outside.
 fn column(x: i32, columns: u32) -> u32 {
     return u32(clamp(x, 0, i32(columns) - 1));
+}
+
+// Half of the width that a sphere about `position` has within a row of cells; negative where it does not reach the row.
+fn reach_in_row(position: vec3<f32>, radius_squared: f32, y: i32, z: i32, origin: vec3<f32>, cell: f32) -> f32 {
+    let low = origin.yz + vec2<f32>(vec2(y, z)) * cell;
+    let off = max(max(low - position.yz, position.yz - low - cell), vec2(0.0));
+    let left = radius_squared - dot(off, off);
+    return select(-1.0, sqrt(max(left, 0.0)), left >= 0.0);
 }

@@ -50,7 +50,7 @@ fn sample_phong_lobe(u: vec2<f32>, exponent: f32) -> vec3<f32> {
     return vec3(r * cos(phi), r * sin(phi), z);
 }
 
-// Unit vectors in 32 bits (octahedral map: Meyer et al. 2010), 16 + 16 bits, or 13 + 13 in the low 26.
+// Unit vectors in 32 bits (octahedral map: Meyer et al. 2010).
 fn octahedral(n: vec3<f32>) -> vec2<f32> {
     let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
     let folded = (1.0 - abs(p.yx)) * select(vec2(-1.0), vec2(1.0), p >= vec2(0.0));
@@ -73,13 +73,13 @@ fn decode_direction(e: u32) -> vec3<f32> {
     return from_octahedral(unpack2x16snorm(e));
 }
 
-const NORMAL_STEPS: f32 = 4095.0;
-
-fn encode_normal26(n: vec3<f32>) -> u32 {
-    let e = vec2<u32>(round(octahedral(n) * NORMAL_STEPS) + NORMAL_STEPS);
-    return e.x | (e.y << 13u);
+// A unit vector in 24 bits, signed 8 a component: coarse, but read without a square root. Tests only.
+fn encode_normal24(n: vec3<f32>) -> u32 {
+    let e = vec3<u32>(vec3<i32>(round(n * 127.0))) & vec3(0xffu);
+    return e.x | (e.y << 8u) | (e.z << 16u);
 }
 
-fn decode_normal26(e: u32) -> vec3<f32> {
-    return from_octahedral((vec2<f32>(vec2(e & 0x1fffu, (e >> 13u) & 0x1fffu)) - NORMAL_STEPS) / NORMAL_STEPS);
+// 127 times the vector.
+fn decode_normal24(e: u32) -> vec3<f32> {
+    return vec3<f32>(vec3<i32>(vec3(e << 24u, e << 16u, e << 8u)) >> vec3(24u));
 }

@@ -8,7 +8,7 @@ use super::kd_tree::{EMPTY, LANES};
 use super::maps::{Four, JotonMap};
 use super::sampling::basis;
 use crate::bands::{BANDS, Bands, add, mul, scale};
-use crate::plan::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
+use crate::layout::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
 use glam::{BVec4A, Vec3, Vec4};
 use std::f32::consts::FRAC_1_PI;
 

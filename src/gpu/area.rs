@@ -1,12 +1,12 @@
 //! The area points' grid: scattered on the host, sorted into the same kind of hashed grid as the jotons.
 
 use super::scene_buffers::encode_area_point;
-use crate::layout::AreaPoint;
+use crate::layout::{AreaPoint, CELLS_PER_RADIUS, row_bucket};
 use crate::pack::{PackedScene, scatter_area_points};
 use glam::Vec3;
 
 /// Area points that fall into a whole disc.
-const POINTS_PER_DISC: f64 = 250.0;
+const POINTS_PER_DISC: f64 = 150.0;
 /// Most area points: memory and set-up time end somewhere; the fit only gets noisier.
 pub(super) const AREA_POINTS_MAX: usize = 1 << 21;
 
@@ -41,14 +41,13 @@ pub(super) fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
 pub(super) fn build(scene: &PackedScene, radius: f64, seed: u32) -> AreaGrid {
     let (points, each) = scatter_area_points(scene, points_wanted(scene, radius), seed);
     let extent = scene.bounds[1] - scene.bounds[0];
-    let cells_per_unit = (1.0 / radius as f32).min(30_000.0 / extent.max_element());
+    let cells_per_unit = (CELLS_PER_RADIUS / radius as f32).min(30_000.0 / extent.max_element());
     let columns = (extent.x * cells_per_unit) as u32 + 1;
     let row_mask = (1u32 << ((1u32 << KEY_BITS) - columns).ilog2()) - 1;
     let key = |p: Vec3| {
         // the same arithmetic as shaders/shared/grid.wgsl
         let cell = ((p - scene.bounds[0]) * cells_per_unit).floor().as_ivec3();
-        let row = (cell.y as u32).wrapping_mul(19_349_663) ^ (cell.z as u32).wrapping_mul(83_492_791);
-        (row & row_mask) + (cell.x.clamp(0, columns as i32 - 1) as u32)
+        row_bucket(cell.y, cell.z, row_mask) + (cell.x.clamp(0, columns as i32 - 1) as u32)
     };
     let mut starts = vec![0u32; AREA_STARTS];
     let keys: Vec<u32> = points.iter().map(|p| key(p.position)).collect();

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 /// A compiled kernel.
 pub struct Kernel {
+    label: String,
     pipeline: wgpu::ComputePipeline,
     layouts: Vec<wgpu::BindGroupLayout>,
     bindings: Vec<Binding>,
@@ -31,6 +32,7 @@ pub type Buffers = HashMap<&'static str, wgpu::Buffer>;
 
 /// A kernel with its buffers, ready to be dispatched.
 pub struct Step {
+    label: String,
     pipeline: wgpu::ComputePipeline,
     groups: Vec<wgpu::BindGroup>,
     /// Names of the dynamic uniforms in each group, in the order of their bindings.
@@ -105,7 +107,7 @@ impl Kernel {
             },
         });
         context.check()?;
-        Ok(Self { pipeline, layouts, bindings })
+        Ok(Self { label: label_of(label, entry), pipeline, layouts, bindings })
     }
 
     /// Bind buffers by name; `renamed` gives for a name in the kernel the name of the buffer to use.
@@ -157,8 +159,14 @@ impl Kernel {
             );
         }
         context.check()?;
-        Ok(Step { pipeline: self.pipeline.clone(), groups, dynamic })
+        Ok(Step { label: self.label.clone(), pipeline: self.pipeline.clone(), groups, dynamic })
     }
+}
+
+/// "scan reduce" for scan.wgsl's entry reduce, "eye" for the only entry of eye.wgsl.
+fn label_of(path: &str, entry: &str) -> String {
+    let stem = path.trim_end_matches(".wgsl");
+    if entry == "main" { stem.to_string() } else { format!("{stem} {entry}") }
 }
 
 impl Binding {
@@ -213,18 +221,25 @@ fn reflect(module: &naga::Module) -> Vec<Binding> {
 pub(super) type Offsets<'a> = &'a [(&'a str, u32)];
 
 impl Step {
-    /// Record a dispatch of at least `invocations`.
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, offsets: Offsets<'_>, invocations: u32) {
+    /// Name of the kernel: file and entry point.
+    pub(super) fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Workgroups, folded into two dimensions, that hold at least `invocations`.
+    pub(super) fn groups_for(&self, invocations: u32) -> [u32; 2] {
         let groups = invocations.div_ceil(WORKGROUP);
-        if groups == 0 {
-            return;
-        }
         let x = groups.min(GROUPS_MAX);
-        self.dispatch_groups(pass, offsets, x, groups.div_ceil(x));
+        [x, groups.div_ceil(x)]
     }
 
     /// Record a dispatch of `x` × `y` workgroups.
-    pub fn dispatch_groups(&self, pass: &mut wgpu::ComputePass<'_>, offsets: Offsets<'_>, x: u32, y: u32) {
+    pub(super) fn dispatch_groups(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        offsets: Offsets<'_>,
+        [x, y]: [u32; 2],
+    ) {
         pass.set_pipeline(&self.pipeline);
         for (i, group) in self.groups.iter().enumerate() {
             let at: Vec<u32> = self.dynamic[i]

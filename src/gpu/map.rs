@@ -2,9 +2,9 @@
 
 use super::context::Context;
 use super::kernel::{Buffers, Kernel, Step};
-use super::ring::Ring;
+use super::recorder::Recorder;
 use crate::error::{Error, Result};
-use crate::layout::{Joton, Lane, LaneTally, MapInfo};
+use crate::layout::{CELLS_PER_RADIUS, Joton, Lane, LaneTally, MapInfo};
 use crate::pack::PackedScene;
 use crate::plan::Schedule;
 use bytemuck::{Pod, Zeroable};
@@ -229,7 +229,7 @@ impl Map {
     ) -> MapInfo {
         let radius = schedule.radius(pass) as f32;
         let extent = scene.bounds[1] - scene.bounds[0];
-        let cells_per_unit = (1.0 / radius).min(COLUMNS_MAX / extent.max_element());
+        let cells_per_unit = (CELLS_PER_RADIUS / radius).min(COLUMNS_MAX / extent.max_element());
         let columns = (extent.x * cells_per_unit) as u32 + 1;
         let rows = (1u32 << self.key_bits) - columns;
         // the largest power of two that leaves room for the columns
@@ -257,47 +257,41 @@ impl Map {
     }
 
     /// Record tracing and sorting. The lanes must be cleared.
-    pub(super) fn record(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        ring: &mut Ring,
-        pass_info: u32,
-        info: &MapInfo,
-    ) {
-        let map_info = ring.push(info);
+    pub(super) fn record(&self, recorder: &mut Recorder<'_>, pass_info: u32, info: &MapInfo) {
+        let map_info = recorder.ring.push(info);
         let at = [("pass_info", pass_info), ("map_info", map_info)];
         for _ in 0..self.shape.dispatches {
-            self.trace.dispatch(pass, &at, self.shape.lanes);
+            recorder.dispatch(&self.trace, &at, self.shape.lanes);
         }
-        self.lane_counts.dispatch(pass, &at, self.shape.lanes + 1);
-        record_scan(pass, ring, &self.lane_scan, self.shape.lanes + 1);
-        self.keys.dispatch(pass, &at, self.shape.lanes);
+        recorder.dispatch(&self.lane_counts, &at, self.shape.lanes + 1);
+        record_scan(recorder, &self.lane_scan, self.shape.lanes + 1);
+        recorder.dispatch(&self.keys, &at, self.shape.lanes);
         let chunks = self.shape.max_stored().div_ceil(u64::from(self.chunk)) as u32;
         for (i, digit) in self.digits.iter().enumerate() {
-            let sort_info = ring.push(&SortInfo {
+            let sort_info = recorder.ring.push(&SortInfo {
                 shift: i as u32 * DIGIT_BITS,
                 chunk: self.chunk,
                 chunks,
                 total_at: self.shape.lanes,
             });
             let at = [("sort_info", sort_info)];
-            digit.count.dispatch(pass, &at, chunks);
-            record_scan(pass, ring, &digit.scan, DIGITS * chunks);
-            digit.scatter.dispatch(pass, &at, chunks);
+            recorder.dispatch(&digit.count, &at, chunks);
+            record_scan(recorder, &digit.scan, DIGITS * chunks);
+            recorder.dispatch(&digit.scatter, &at, chunks);
         }
-        self.starts.dispatch(pass, &at, info.row_mask + 2 + info.columns);
-        self.reorder.dispatch(pass, &at, self.shape.max_stored() as u32);
+        recorder.dispatch(&self.starts, &at, info.row_mask + 2 + info.columns);
+        recorder.dispatch(&self.reorder, &at, self.shape.max_stored() as u32);
     }
 }
 
 /// Record an exclusive scan in place.
-fn record_scan(pass: &mut wgpu::ComputePass<'_>, ring: &mut Ring, steps: &[Step; 3], count: u32) {
+fn record_scan(recorder: &mut Recorder<'_>, steps: &[Step; 3], count: u32) {
     let blocks = count.div_ceil(SCAN_BLOCK);
-    let scan_info = ring.push(&ScanInfo { count, block: SCAN_BLOCK, blocks, pad: 0 });
+    let scan_info = recorder.ring.push(&ScanInfo { count, block: SCAN_BLOCK, blocks, pad: 0 });
     let at = [("scan_info", scan_info)];
-    steps[0].dispatch(pass, &at, blocks);
-    steps[1].dispatch_groups(pass, &at, 1, 1);
-    steps[2].dispatch(pass, &at, blocks);
+    recorder.dispatch(&steps[0], &at, blocks);
+    recorder.dispatch_groups(&steps[1], &at, [1, 1]);
+    recorder.dispatch(&steps[2], &at, blocks);
 }
 
 /// Check that a map fits the device.

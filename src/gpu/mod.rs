@@ -4,22 +4,25 @@ mod area;
 mod context;
 mod kernel;
 mod map;
+mod recorder;
 mod ring;
 mod scene_buffers;
 mod shaders;
 
 pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
+pub use recorder::KernelSeconds;
 pub use shaders::{SOURCES, link, link_source};
 
 use crate::backend::{Backend, Batch, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 use crate::film::{LAYERS, Layer};
-use crate::layout::{Fit, GatherPoint, LaneTally, PassInfo, PathFilter, status};
+use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, PathFilter, status};
 use crate::pack::PackedScene;
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
 use map::{Kind, Map, MapKernels, Shape};
+use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::sync::Arc;
 
@@ -50,16 +53,18 @@ pub struct GpuBackend {
     shapes: Shapes,
     area: Option<AreaState>,
     ring: Ring,
+    timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
 }
 
 /// The compiled kernels.
 struct Kernels {
     eye: Kernel,
+    glint: Option<[Kernel; 3]>,
     direct: Option<Kernel>,
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
-    boundary: Option<Kernel>,
+    boundary: [Option<Kernel>; 2],
     caustic_count: Option<Kernel>,
     caustic_radius: Option<Kernel>,
     map: Option<MapKernels>,
@@ -68,8 +73,10 @@ struct Kernels {
 /// The kernels with their buffers.
 struct Steps {
     eye: Step,
+    /// Of a pass, of the pilot, and the marking of pixels.
+    glint: Option<[Step; 3]>,
     direct: Option<Step>,
-    boundary: Option<Step>,
+    boundary: Option<[Step; 2]>,
     maps: Vec<(Map, Step)>,
     pilot: Option<[Step; 2]>,
 }
@@ -120,10 +127,14 @@ impl GpuBackend {
             shapes,
             area: None,
             ring,
+            timer: None,
             staging: None,
         };
         backend.shape_lanes()?;
+        backend.mark_glints()?;
         backend.choose_caustic_radii()?;
+        backend.find_edges()?;
+        backend.warm_up()?;
         Ok(backend)
     }
 
@@ -175,6 +186,7 @@ impl GpuBackend {
             ("fits", pixels * size_of::<Fit>() as u64),
             ("radii", pixels * size_of::<Fit>() as u64),
             ("counts", pixels * 4),
+            ("edges", pixels * 4),
             ("status", u64::from(status::SLOTS) * 4),
             ("area_starts", area::AREA_STARTS as u64 * 4),
         ]);
@@ -214,8 +226,21 @@ impl GpuBackend {
         };
         self.steps = Some(Steps {
             eye: kernels.eye.bind(context, buffers, &[])?,
+            glint: match &kernels.glint {
+                Some([pass, pilot, mark]) => Some([
+                    pass.bind(context, buffers, &[("film", "film_emission")])?,
+                    pilot.bind(context, buffers, &[("film", "radii")])?,
+                    mark.bind(context, buffers, &[("glints", "radii")])?,
+                ]),
+                None => None,
+            },
             direct: optional(&kernels.direct, &[])?,
-            boundary: optional(&kernels.boundary, &[])?,
+            boundary: match &kernels.boundary {
+                [Some(pass), Some(pilot)] => {
+                    Some([pass.bind(context, buffers, &[])?, pilot.bind(context, buffers, &[])?])
+                }
+                _ => None,
+            },
             maps,
             pilot,
         });
@@ -240,34 +265,43 @@ impl GpuBackend {
         }
     }
 
+    /// The uniform of a map in a pass; zeros where the map is skipped.
+    fn map_info(&self, kind: Kind, pass: u64, random_pass: u32) -> MapInfo {
+        let found = self.steps.as_ref().and_then(|s| s.maps.iter().find(|(m, _)| m.kind == kind));
+        let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
+        let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
+        let mut info = map.info(&self.scene, schedule, pass, random_pass);
+        if let (Kind::Diffuse, Some(area)) = (kind, &self.area) {
+            info.area_each = area.each;
+            info.area_cells_per_unit = area.cells_per_unit;
+            info.area_row_mask = area.row_mask;
+            info.area_columns = area.columns;
+        }
+        info
+    }
+
     /// Fill one map from the pilot pass and, with `radii`, choose the caustic radii from it; the status words.
     fn pilot_map(&mut self, kind: Kind, radii: bool) -> Result<Vec<u32>> {
         let Some(steps) = &self.steps else { return Ok(vec![0; status::SLOTS as usize]) };
         let Some((map, _)) = steps.maps.iter().find(|(m, _)| m.kind == kind) else {
             return Ok(vec![0; status::SLOTS as usize]);
         };
-        self.ring.clear();
-        let pass_info = self.ring.push(&self.pass_info(PILOT_PASS));
-        let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
-        let info = map.info(&self.scene, schedule, 0, PILOT_PASS);
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.clear_buffer(&self.buffers["lanes"], 0, None);
-        encoder.clear_buffer(&self.buffers["status"], 0, None);
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            map.record(&mut pass, &mut self.ring, pass_info, &info);
-            if let (true, Some([count, radius])) = (radii, &steps.pilot) {
-                let map_info = self.ring.push(&info);
-                let at = [("pass_info", pass_info), ("map_info", map_info)];
-                let pixels = self.scene.pixels() as u32;
-                steps.eye.dispatch(&mut pass, &at, pixels);
-                count.dispatch(&mut pass, &at, pixels);
-                radius.dispatch(&mut pass, &at, pixels);
-            }
+        let pass = self.pass_info(PILOT_PASS);
+        let info = self.map_info(kind, 0, PILOT_PASS);
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let pass_info = recorder.ring.push(&pass);
+        recorder.clear(&self.buffers["lanes"]);
+        recorder.clear(&self.buffers["status"]);
+        map.record(&mut recorder, pass_info, &info);
+        if let (true, Some([count, radius])) = (radii, &steps.pilot) {
+            let map_info = recorder.ring.push(&info);
+            let at = [("pass_info", pass_info), ("map_info", map_info)];
+            let pixels = self.scene.pixels() as u32;
+            recorder.dispatch(&steps.eye, &at, pixels);
+            recorder.dispatch(count, &at, pixels);
+            recorder.dispatch(radius, &at, pixels);
         }
-        self.ring.write(&self.context, &self.buffers["ring"]);
-        self.context.queue.submit([encoder.finish()]);
+        recorder.submit(&self.context, &self.buffers["ring"]);
         let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
         Ok(bytemuck::pod_collect_to_vec(&words[0]))
     }
@@ -306,47 +340,86 @@ impl GpuBackend {
         Ok(())
     }
 
+    /// Mark the pixels that see emission in a part only, or through specular surfaces.
+    fn mark_glints(&mut self) -> Result<()> {
+        let pass = self.pass_info(PILOT_PASS);
+        let Some(Steps { glint: Some([_, pilot, mark]), .. }) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let at = [("pass_info", recorder.ring.push(&pass))];
+        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.dispatch(mark, &at, self.scene.pixels() as u32);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
+    /// Run every kernel of a pass on nothing: drivers compile at the first dispatch, and that is set-up.
+    fn warm_up(&mut self) -> Result<()> {
+        let Some(steps) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let nothing: PassInfo = bytemuck::Zeroable::zeroed();
+        let no_map: MapInfo = bytemuck::Zeroable::zeroed();
+        let at = [("pass_info", recorder.ring.push(&nothing)), ("map_info", recorder.ring.push(&no_map))];
+        let kernels = [&steps.eye].into_iter().chain(&steps.direct).chain(steps.glint.iter().flatten());
+        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(steps.boundary.iter().flatten());
+        for step in kernels.chain(maps) {
+            recorder.dispatch(step, &at, 1);
+        }
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
+    /// Find the pixels whose discs are cut by edges, once, with the largest radius.
+    fn find_edges(&mut self) -> Result<()> {
+        if self.shapes.diffuse.is_none() {
+            return Ok(());
+        }
+        self.renew_area_points(0)?;
+        let pass = self.pass_info(PILOT_PASS);
+        let info = self.map_info(Kind::Diffuse, 0, PILOT_PASS);
+        let Some(Steps { eye, boundary: Some([_, pilot]), .. }) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
+        recorder.dispatch(eye, &at, self.scene.pixels() as u32);
+        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
     /// Record and submit one pass.
     fn submit_pass(&mut self, pass_number: u64) -> Result<()> {
         if self.shapes.diffuse.is_some() {
             self.renew_area_points(pass_number)?;
         }
         let pass_index = pass_number as u32;
-        self.ring.clear();
-        let pass_info = self.ring.push(&self.pass_info(pass_index));
+        let pass = self.pass_info(pass_index);
+        let infos = [Kind::Caustic, Kind::Diffuse].map(|kind| self.map_info(kind, pass_number, pass_index));
         let Some(steps) = &self.steps else { return Ok(()) };
         let pixels = self.scene.pixels() as u32;
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let at = [("pass_info", pass_info)];
-            steps.eye.dispatch(&mut pass, &at, pixels);
-            if let Some(direct) = &steps.direct {
-                direct.dispatch(&mut pass, &at, pixels);
-            }
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
+        let pass_info = recorder.ring.push(&pass);
+        let at = [("pass_info", pass_info)];
+        recorder.dispatch(&steps.eye, &at, pixels);
+        if let Some([glint, ..]) = &steps.glint {
+            recorder.dispatch(glint, &at, pixels);
+        }
+        if let Some(direct) = &steps.direct {
+            recorder.dispatch(direct, &at, pixels);
         }
         for (map, gather) in &steps.maps {
-            let schedule = if map.kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
-            let mut info = map.info(&self.scene, schedule, pass_number, pass_index);
-            if let (Kind::Diffuse, Some(area)) = (map.kind, &self.area) {
-                info.area_each = area.each;
-                info.area_cells_per_unit = area.cells_per_unit;
-                info.area_row_mask = area.row_mask;
-                info.area_columns = area.columns;
-            }
-            encoder.clear_buffer(&self.buffers["lanes"], 0, None);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            map.record(&mut pass, &mut self.ring, pass_info, &info);
-            let map_info = self.ring.push(&info);
+            let info = infos[map.kind as usize];
+            recorder.clear(&self.buffers["lanes"]);
+            map.record(&mut recorder, pass_info, &info);
+            let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
-            if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
-                boundary.dispatch(&mut pass, &at, pixels);
+            if let (Kind::Diffuse, Some([boundary, _])) = (map.kind, &steps.boundary) {
+                recorder.dispatch(boundary, &at, pixels);
             }
-            gather.dispatch(&mut pass, &at, pixels);
+            recorder.dispatch(gather, &at, pixels);
         }
-        self.ring.write(&self.context, &self.buffers["ring"]);
-        self.context.queue.submit([encoder.finish()]);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        if let Some(timer) = &mut self.timer {
+            timer.collect(&self.context, &mut self.staging)?;
+        }
         Ok(())
     }
 
@@ -388,6 +461,15 @@ impl GpuBackend {
 }
 
 impl Backend for GpuBackend {
+    fn measure_kernels(&mut self) {
+        self.timer = Timer::new(&self.context);
+    }
+
+    fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
+        let seconds = self.timer.as_ref().map(|t| t.seconds().clone()).unwrap_or_default();
+        seconds.into_iter().map(|(name, (seconds, dispatches))| (name, seconds, dispatches)).collect()
+    }
+
     fn describe(&self) -> String {
         let i = &self.context.info;
         let kind = if self.context.is_software() { "software" } else { "GPU" };
@@ -496,6 +578,17 @@ impl Kernels {
         ];
         Ok(Self {
             eye: compile("eye.wgsl")?,
+            glint: if plan.traces(Layer::Emission) {
+                let mut pilot = features.to_vec();
+                pilot.push(("PILOT", 1.0));
+                Some([
+                    compile("glint.wgsl")?,
+                    Kernel::new(context, "glint.wgsl", "main", &pilot)?,
+                    compile("glint_mark.wgsl")?,
+                ])
+            } else {
+                None
+            },
             direct: optional(plan.traces(Layer::Direct), &|| compile("direct.wgsl"))?,
             trace: [
                 optional(caustic, &|| with("trace.wgsl", true))?,
@@ -505,7 +598,10 @@ impl Kernels {
                 optional(caustic, &|| with("gather.wgsl", true))?,
                 optional(diffuse, &|| with("gather.wgsl", false))?,
             ],
-            boundary: optional(diffuse, &|| compile("boundary.wgsl"))?,
+            boundary: [
+                optional(diffuse, &|| compile("boundary.wgsl"))?,
+                optional(diffuse, &|| Kernel::new(context, "boundary.wgsl", "main", &[("PILOT", 1.0)]))?,
+            ],
             caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
             caustic_radius: optional(caustic, &|| {
                 Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)

@@ -83,7 +83,8 @@ pub(super) fn encode(n: Vec3) -> u32 {
     snorm(e.x) | snorm(e.y) << 16
 }
 
-/// An area point as the kernels read it.
+/// An area point as the kernels read it; its normal in signed 8 bits a component.
 pub(super) fn encode_area_point(p: &crate::pack::AreaPoint) -> AreaPoint {
-    AreaPoint { position: p.position, normal: encode(p.normal) }
+    let [x, y, z] = p.normal.to_array().map(|c| u32::from((c * 127.0).round() as i8 as u8));
+    AreaPoint { position: p.position, normal: x | y << 8 | z << 16 }
 }

@@ -80,10 +80,6 @@ pub struct Skip {
 pub const CAUSTIC_FOOTPRINTS: [f32; 2] = [0.7, 4.0];
 /// … and is chosen so that about this many jotons are found in the pilot pass.
 pub const CAUSTIC_WANTED: f32 = 15.0;
-/// A joton counts at a gather point where the cosine between their geometric normals is above this …
-pub const GATHER_NORMAL_COS: f32 = 0.7;
-/// … and it lies within this part of the radius of the gather point's plane.
-pub const GATHER_PLANE_SHARE: f32 = 0.2;
 /// α of the caustic map's radius: it must shrink, its light is sharp.
 const CAUSTIC_ALPHA: f64 = 0.75;
 /// α of the diffuse map's radius: boundary-corrected and smooth, it needs little.

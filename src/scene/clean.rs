@@ -171,9 +171,6 @@ fn face(rest: &str, so_far: Counts, all: Counts) -> Result<Vec<Corner>, String> 
             let mut indices = word.split('/');
             let position = indices.next().unwrap_or("");
             let relative: i64 = position.parse().map_err(|_| format!("\"{word}\" is not a vertex index"))?;
-            if relative == 0 {
-                return Err("vertex index 0".to_owned());
-            }
             let position = absolute(relative, so_far.positions, all.positions)
                 .ok_or_else(|| format!("vertex index {relative} of {} vertices", so_far.positions))?;
             let normal = match indices.nth(1).unwrap_or("") {

@@ -61,3 +61,13 @@ pub struct Triangle {
     /// Index into [`Scene::materials`].
     pub material: u32,
 }
+
+impl Scene {
+    /// Render at another size; the field of view across stays, and pixels are square.
+    pub fn resize(&mut self, size: [u32; 2]) {
+        self.size = size;
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        let [x, y] = &mut self.camera.tan_half_fov;
+        *y = *x / aspect;
+    }
+}

@@ -1,0 +1,53 @@
+//! The command line: arguments, one file for each command.
+
+mod compare;
+mod device;
+mod devices;
+mod plan;
+mod render;
+
+use clap::{Parser, Subcommand};
+use joton::Result;
+
+/// A progressive photon mapper that runs on the GPU.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene to EXR and PNG files.
+    Render(render::RenderArguments),
+    /// Tell what a scene needs, what is skipped and why.
+    Plan(plan::PlanArguments),
+    /// Compare an image with a reference.
+    Compare(compare::CompareArguments),
+    /// List the devices, and which one is chosen.
+    Devices,
+}
+
+/// Exit code of a finished command.
+const DONE: u8 = 0;
+/// Exit code of `compare` out of tolerance.
+const OUT_OF_TOLERANCE: u8 = 1;
+/// Exit code after Ctrl-C, with everything so far saved.
+const INTERRUPTED: u8 = 130;
+
+/// Run a command; its exit code.
+pub(crate) fn run(arguments: Arguments) -> Result<u8> {
+    match arguments.command {
+        Command::Render(a) => render::run(&a),
+        Command::Plan(a) => plan::run(&a),
+        Command::Compare(a) => compare::run(&a),
+        Command::Devices => devices::run(),
+    }
+}
+
+/// Print a line to stdout; a closed pipe is no error.
+fn say(line: impl std::fmt::Display) {
+    use std::io::Write;
+    writeln!(std::io::stdout(), "{line}").ok();
+}

@@ -1,0 +1,234 @@
+//! `joton render SCENE`.
+
+use super::{DONE, INTERRUPTED, device};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use joton::backend::Backend;
+use joton::output::{display, exr, png};
+use joton::pack::PackedScene;
+use joton::paths::LightPaths;
+use joton::plan::{Plan, Settings};
+use joton::render::{Progress, Reason, Stop, render};
+use joton::report::{Circumstances, KernelTime, Report};
+use joton::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Arguments of `joton render`.
+#[derive(Debug, Args)]
+pub(super) struct RenderArguments {
+    /// A scene file (.toml) or a mesh (.obj).
+    scene: PathBuf,
+    /// Where to write: .exr (linear radiance and its layers) or .png (for display); may be repeated.
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Image size, instead of the scene's.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<[u32; 2]>,
+    /// Stop after this many passes.
+    #[arg(long)]
+    passes: Option<u64>,
+    /// Stop after this many seconds of rendering (set-up is not counted).
+    #[arg(long, value_name = "SECONDS")]
+    time: Option<f64>,
+    /// Stop when the estimated relative error is this small, e.g. 0.02.
+    #[arg(long)]
+    error: Option<f64>,
+    /// Seed of the random numbers: the same seed and device give the same image, bit for bit.
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// auto, gpu, cpu, or a part of a device's name (see `joton devices`).
+    #[arg(long, default_value = "auto")]
+    device: String,
+    /// With --device cpu: the plain path tracer instead of the photon mapper.
+    #[arg(long)]
+    reference: bool,
+    /// Light paths to render, from the light (L) to the eye (E) over diffuse (D) and specular (S) surfaces:
+    /// "LS+DE", "L(S|D)E", "LD+E".
+    #[arg(long, value_name = "EXPR")]
+    paths: Option<String>,
+    /// Shadow rays for each pixel and pass.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    shadow_rays: u32,
+    /// Exposure of PNG files: auto, or a number of stops.
+    #[arg(long, default_value = "auto", allow_negative_numbers = true)]
+    exposure: display::Exposure,
+    /// Tone of PNG files: srgb, filmic or perception.
+    #[arg(long, default_value = "srgb")]
+    transform: display::Transform,
+    /// Write what was done as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// Measure what each kernel takes, for the report (a little slower).
+    #[arg(long)]
+    timings: bool,
+    /// Say nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(super) fn run(a: &RenderArguments) -> Result<u8> {
+    let begin = Instant::now();
+    let stop = checked_stop(a)?;
+    let outputs = if a.output.is_empty() { default_outputs(&a.scene) } else { a.output.clone() };
+    for path in outputs.iter().chain(&a.report) {
+        check_output(path, a.report.as_ref() == Some(path))?;
+    }
+    let mut settings = Settings { seed: a.seed, shadow_rays: a.shadow_rays, ..Settings::default() };
+    if let Some(paths) = &a.paths {
+        settings.paths = LightPaths::parse(paths)?;
+    }
+    let mut scene = joton::scene::load(&a.scene)?;
+    if let Some(size) = a.size {
+        scene.resize(size);
+    }
+    let say = |line: &str| {
+        if !a.quiet {
+            eprintln!("joton: {line}");
+        }
+    };
+    for warning in &scene.warnings {
+        say(&format!("warning: {warning}"));
+    }
+    let packed = Arc::new(PackedScene::new(&scene));
+    let plan = Plan::new(&packed, settings);
+    let (mut backend, device) = device::open(&a.device, a.reference, &packed, &plan)?;
+    say(&device);
+    if a.timings {
+        backend.measure_kernels();
+    }
+
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    ctrlc::set_handler(move || flag.store(true, Ordering::SeqCst)).ok();
+    let bar = if a.quiet { ProgressBar::hidden() } else { progress_bar() };
+    let setup_seconds = begin.elapsed().as_secs_f64();
+    let cpu = cpu_time::ProcessTime::now();
+    let rendered = render(backend.as_mut(), packed.size, stop, |p| {
+        show(&bar, p);
+        !interrupted.load(Ordering::SeqCst)
+    })?;
+    let cpu_seconds = cpu.elapsed().as_secs_f64();
+    bar.finish_and_clear();
+
+    let reason = match rendered.reason {
+        Reason::Passes => "all passes are done",
+        Reason::Time => "the time is up",
+        Reason::Error => "the error estimate is small enough",
+        Reason::Interrupted => "interrupted",
+    };
+    let error =
+        rendered.error_estimate.map_or(String::new(), |e| format!(", estimated error {:.2} %", e * 100.0));
+    say(&format!("{} passes in {:.2} s{error}: {reason}", rendered.passes, rendered.seconds));
+
+    let comment = format!("{}, seed {}, {} passes", a.scene.display(), a.seed, rendered.passes);
+    let look = display::Display { exposure: a.exposure, transform: a.transform };
+    for path in &outputs {
+        match kind_of(path)? {
+            Kind::Exr => exr::write_picture(path, &rendered.picture, &comment)?,
+            Kind::Png => png::write_image(path, &rendered.picture.whole, &look)?,
+        }
+    }
+    if let Some(path) = &a.report {
+        let around = Circumstances {
+            device,
+            setup_seconds,
+            cpu_seconds,
+            kernels: kernel_times(backend.as_ref()),
+            warnings: scene.warnings.clone(),
+        };
+        let report = Report::new(&rendered, &packed, &plan, around);
+        let text = serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e))?;
+        std::fs::write(path, text + "\n").map_err(|e| Error::io(path, "write", e))?;
+    }
+    Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
+}
+
+/// What the backend measured, longest first.
+fn kernel_times(backend: &dyn Backend) -> Vec<KernelTime> {
+    let times = backend.kernel_seconds().into_iter();
+    let mut kernels: Vec<KernelTime> =
+        times.map(|(name, seconds, dispatches)| KernelTime { name, seconds, dispatches }).collect();
+    kernels.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    kernels
+}
+
+enum Kind {
+    Exr,
+    Png,
+}
+
+fn kind_of(path: &Path) -> Result<Kind> {
+    match path.extension().and_then(|e| e.to_str()).map(str::to_lowercase).as_deref() {
+        Some("exr") => Ok(Kind::Exr),
+        Some("png") => Ok(Kind::Png),
+        _ => Err(Error::usage(
+            format!("{}: the kind of file is not known", path.display()),
+            "give a name that ends in .exr or .png",
+        )),
+    }
+}
+
+/// Without -o: NAME.png and NAME.exr in the current folder.
+fn default_outputs(scene: &Path) -> Vec<PathBuf> {
+    let stem = PathBuf::from(scene.file_stem().unwrap_or_default());
+    vec![stem.with_extension("png"), stem.with_extension("exr")]
+}
+
+/// Find out before rendering whether a file can be written at its end.
+fn check_output(path: &Path, is_report: bool) -> Result<()> {
+    if !is_report {
+        kind_of(path)?;
+    }
+    let folder = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        let what = format!("{}: the folder {} does not exist", path.display(), folder.display());
+        return Err(Error::usage(what, "create it first"));
+    }
+    Ok(())
+}
+
+fn checked_stop(a: &RenderArguments) -> Result<Stop> {
+    if a.passes == Some(0) {
+        return Err(Error::usage("--passes 0 renders nothing", "give at least 1"));
+    }
+    for (name, value) in [("--time", a.time), ("--error", a.error)] {
+        if value.is_some_and(|v| v.is_nan() || v <= 0.0) {
+            return Err(Error::usage(format!("{name} must be larger than 0"), "give a positive number"));
+        }
+    }
+    Ok(Stop { passes: a.passes, seconds: a.time, error: a.error })
+}
+
+fn parse_size(text: &str) -> std::result::Result<[u32; 2], String> {
+    let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match parsed {
+        Some([w, h]) if w > 0 && h > 0 && w <= 65_536 && h <= 65_536 => Ok([w, h]),
+        _ => Err("give width and height in pixels, like 512x512".into()),
+    }
+}
+
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(1000);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+fn show(bar: &ProgressBar, p: &Progress) {
+    bar.set_position((p.done * 1000.0) as u64);
+    let error = p.error.map_or(String::new(), |e| format!("  error {:.2} %", e * 100.0));
+    let eta = if p.done > 0.02 {
+        format!("  {:.0} s left", p.seconds / p.done * (1.0 - p.done))
+    } else {
+        String::new()
+    };
+    bar.set_message(format!("{} passes  {:.1} s{error}{eta}", p.passes, p.seconds));
+}

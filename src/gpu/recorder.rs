@@ -1,0 +1,128 @@
+//! Recorder: dispatches of a submission, one compute pass each, with timestamps where they are wanted.
+
+use super::context::Context;
+use super::kernel::{Offsets, Step};
+use super::ring::Ring;
+use crate::error::Result;
+use std::collections::BTreeMap;
+
+/// Timestamps of one submission, at most: WebGPU's limit of a query set.
+const QUERIES: u32 = 4096;
+
+/// Seconds and dispatches of each kernel.
+pub type KernelSeconds = BTreeMap<String, (f64, u64)>;
+
+/// Measures kernels by timestamps.
+pub(super) struct Timer {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    labels: Vec<String>,
+    seconds: KernelSeconds,
+}
+
+impl Timer {
+    /// A timer, where the device has timestamps.
+    pub(super) fn new(context: &Context) -> Option<Self> {
+        if !context.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return None;
+        }
+        let queries = context.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("timer"),
+            ty: wgpu::QueryType::Timestamp,
+            count: QUERIES,
+        });
+        let resolved = context.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("timer"),
+            size: u64::from(QUERIES) * 8,
+            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Some(Self { queries, resolved, labels: Vec::new(), seconds: KernelSeconds::new() })
+    }
+
+    /// Add up what the last submissions took.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where reading back fails.
+    pub(super) fn collect(&mut self, context: &Context, staging: &mut Option<wgpu::Buffer>) -> Result<()> {
+        if self.labels.is_empty() {
+            return Ok(());
+        }
+        let bytes = context.read(staging, &[&self.resolved])?;
+        let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes[0]);
+        let period = f64::from(context.queue.get_timestamp_period()) * 1e-9;
+        for (label, pair) in self.labels.drain(..).zip(ticks.chunks_exact(2)) {
+            let entry = self.seconds.entry(label).or_default();
+            entry.0 += pair[1].saturating_sub(pair[0]) as f64 * period;
+            entry.1 += 1;
+        }
+        Ok(())
+    }
+
+    /// Seconds and dispatches so far.
+    pub(super) fn seconds(&self) -> &KernelSeconds {
+        &self.seconds
+    }
+}
+
+/// Records one submission.
+pub(super) struct Recorder<'a> {
+    encoder: wgpu::CommandEncoder,
+    /// The uniforms.
+    pub(super) ring: &'a mut Ring,
+    timer: Option<&'a mut Timer>,
+}
+
+impl<'a> Recorder<'a> {
+    /// Start recording.
+    pub(super) fn new(context: &Context, ring: &'a mut Ring, timer: Option<&'a mut Timer>) -> Self {
+        let encoder = context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        ring.clear();
+        Self { encoder, ring, timer }
+    }
+
+    /// Set a buffer to zero.
+    pub(super) fn clear(&mut self, buffer: &wgpu::Buffer) {
+        self.encoder.clear_buffer(buffer, 0, None);
+    }
+
+    /// At least `invocations` of a kernel.
+    pub(super) fn dispatch(&mut self, step: &Step, offsets: Offsets<'_>, invocations: u32) {
+        if invocations > 0 {
+            let [x, y] = step.groups_for(invocations);
+            self.dispatch_groups(step, offsets, [x, y]);
+        }
+    }
+
+    /// `x` × `y` workgroups of a kernel.
+    pub(super) fn dispatch_groups(&mut self, step: &Step, offsets: Offsets<'_>, groups: [u32; 2]) {
+        let stamps = match &mut self.timer {
+            Some(timer) if (timer.labels.len() as u32 + 1) * 2 <= QUERIES => {
+                let at = timer.labels.len() as u32 * 2;
+                timer.labels.push(step.label().to_string());
+                Some(wgpu::ComputePassTimestampWrites {
+                    query_set: &timer.queries,
+                    beginning_of_pass_write_index: Some(at),
+                    end_of_pass_write_index: Some(at + 1),
+                })
+            }
+            _ => None,
+        };
+        let mut pass = self
+            .encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes: stamps });
+        step.dispatch_groups(&mut pass, offsets, groups);
+    }
+
+    /// Hand everything to the queue.
+    pub(super) fn submit(mut self, context: &Context, ring_buffer: &wgpu::Buffer) {
+        if let Some(timer) = &self.timer
+            && !timer.labels.is_empty()
+        {
+            let count = timer.labels.len() as u32 * 2;
+            self.encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
+        }
+        self.ring.write(context, ring_buffer);
+        context.queue.submit([self.encoder.finish()]);
+    }
+}

@@ -1,0 +1,211 @@
+//! Render: pass after pass on a backend until the picture is good enough, the time is up or the user stops it.
+
+use crate::backend::{Backend, Tally};
+use crate::bands::BANDS;
+use crate::error::Result;
+use crate::film::{Film, Picture};
+use std::time::Instant;
+
+/// When to stop; the first that is met. None at all: until the error estimate is [`DEFAULT_ERROR`], at most
+/// [`DEFAULT_SECONDS`].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Stop {
+    /// After this many passes.
+    pub passes: Option<u64>,
+    /// After this many seconds of rendering.
+    pub seconds: Option<f64>,
+    /// When the error estimate (relative, root mean square) is at most this.
+    pub error: Option<f64>,
+}
+
+/// Error estimate at which a render stops where nothing else is asked for.
+pub const DEFAULT_ERROR: f64 = 0.02;
+/// Seconds after which a render stops where nothing else is asked for.
+pub const DEFAULT_SECONDS: f64 = 60.0;
+
+/// Why a render stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reason {
+    /// All passes are done.
+    Passes,
+    /// The time is up.
+    Time,
+    /// The error estimate is small enough.
+    Error,
+    /// The user stopped it.
+    Interrupted,
+}
+
+/// How far a render is.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress {
+    /// Passes done.
+    pub passes: u64,
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// Relative error, root mean square; none before there are two halves to compare.
+    pub error: Option<f64>,
+    /// Part of the work that is done, 0 to 1, as far as it can be told.
+    pub done: f64,
+}
+
+/// A finished render.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// The mean of the passes.
+    pub picture: Picture,
+    /// Passes in it.
+    pub passes: u64,
+    /// Seconds of rendering, without set-up.
+    pub seconds: f64,
+    /// Sums of all counts.
+    pub tally: Tally,
+    /// Standard error of (emitted − absorbed − escaped) / emitted, from the spread between batches.
+    pub energy_error: Option<f64>,
+    /// Estimate of the relative error, root mean square.
+    pub error_estimate: Option<f64>,
+    /// Why it stopped.
+    pub reason: Reason,
+}
+
+/// Passes of a batch: doubled while batches are shorter than this …
+const BATCH_SECONDS: f64 = 0.25;
+/// … up to this many, because a batch is summed in f32.
+const BATCH_PASSES: u64 = 16;
+/// Passes before an error estimate is trusted.
+const ERROR_PASSES: u64 = 4;
+/// What keeps the relative error of dark pixels finite: (I−R)²/(R²+this), as in `joton compare`.
+const DARK: f64 = 1e-2;
+
+/// Render until `stop`; `watch` sees every batch and returns false to stop.
+///
+/// # Errors
+/// What the backend reports.
+pub fn render(
+    backend: &mut dyn Backend,
+    size: [u32; 2],
+    stop: Stop,
+    mut watch: impl FnMut(&Progress) -> bool,
+) -> Result<Rendered> {
+    let stop = if stop == Stop::default() {
+        Stop { error: Some(DEFAULT_ERROR), seconds: Some(DEFAULT_SECONDS), passes: None }
+    } else {
+        stop
+    };
+    // two halves of the passes: their difference tells the noise of their mean
+    let mut halves = [Film::new(size[0], size[1]), Film::new(size[0], size[1])];
+    let mut tally = Tally::default();
+    let mut imbalance = Imbalance::default();
+    let (mut passes, mut batch_passes) = (0u64, 1u64);
+    let start = Instant::now();
+    loop {
+        let half = usize::from(halves[1].passes() < halves[0].passes());
+        let count = stop.passes.map_or(batch_passes, |most| batch_passes.min(most - passes));
+        let batch_start = Instant::now();
+        let batch = backend.render(passes, count as u32)?;
+        halves[half].add(count, &batch.layers);
+        tally += batch.tally;
+        imbalance.add(count, &batch.tally);
+        passes += count;
+        let seconds = start.elapsed().as_secs_f64();
+        let error = (passes >= ERROR_PASSES).then(|| noise(&halves)).flatten();
+
+        let reached =
+            |value: Option<f64>, limit: Option<f64>| matches!((value, limit), (Some(v), Some(l)) if v <= l);
+        let part = |value: f64, limit: Option<f64>| limit.map_or(0.0, |l| value / l);
+        let by_error = match (error, stop.error) {
+            (Some(e), Some(l)) => (l / e).powi(2),
+            _ => 0.0,
+        };
+        let done =
+            part(passes as f64, stop.passes.map(|p| p as f64)).max(part(seconds, stop.seconds)).max(by_error);
+        let go_on = watch(&Progress { passes, seconds, error, done: done.min(1.0) });
+        let reason = if stop.passes.is_some_and(|most| passes >= most) {
+            Some(Reason::Passes)
+        } else if reached(error, stop.error) {
+            Some(Reason::Error)
+        } else if !go_on {
+            Some(Reason::Interrupted)
+        } else if stop.seconds.is_some_and(|most| seconds >= most) {
+            Some(Reason::Time)
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            let [mut film, other] = halves;
+            film.merge(&other);
+            return Ok(Rendered {
+                picture: film.picture(),
+                passes,
+                seconds,
+                tally,
+                energy_error: imbalance.relative_error(),
+                error_estimate: error,
+                reason,
+            });
+        }
+        if halves[0].passes() == halves[1].passes() {
+            let per_pass = batch_start.elapsed().as_secs_f64() / count as f64;
+            if per_pass * batch_passes as f64 * 2.0 <= BATCH_SECONDS {
+                batch_passes = (batch_passes * 2).min(BATCH_PASSES);
+            }
+            // the last batch ends near the limit
+            if let Some(most) = stop.seconds {
+                let left = ((most - seconds) / per_pass).floor().max(1.0) as u64;
+                batch_passes = batch_passes.min(left);
+            }
+        }
+    }
+}
+
+/// Relative root mean square noise of the mean of two halves, from their difference.
+fn noise(halves: &[Film; 2]) -> Option<f64> {
+    let [a, b] = halves.each_ref().map(|h| h.passes() as f64);
+    if a == 0.0 || b == 0.0 {
+        return None;
+    }
+    // Var(mean of all) = Var(difference) · ab/(a+b)²
+    let share = a * b / ((a + b) * (a + b));
+    let [width, height] = halves[0].size();
+    let pixels = width as usize * height as usize;
+    let sum: f64 = (0..pixels)
+        .map(|p| {
+            let (x, y) = (halves[0].mean(p), halves[1].mean(p));
+            (0..BANDS)
+                .map(|i| {
+                    let mean = (a * x[i] + b * y[i]) / (a + b);
+                    (x[i] - y[i]).powi(2) * share / (mean * mean + DARK)
+                })
+                .sum::<f64>()
+        })
+        .sum();
+    Some((sum / (pixels * BANDS) as f64).sqrt())
+}
+
+/// Spread between batches of emitted − absorbed − escaped.
+#[derive(Default)]
+struct Imbalance {
+    batches: Vec<(f64, f64)>,
+    emitted: f64,
+}
+
+impl Imbalance {
+    fn add(&mut self, passes: u64, t: &Tally) {
+        let total = |x: &[f64; BANDS]| x.iter().sum::<f64>();
+        self.batches.push((passes as f64, total(&t.emitted) - total(&t.absorbed) - total(&t.escaped)));
+        self.emitted += total(&t.emitted);
+    }
+
+    /// Standard error of the sum over the emitted flux.
+    fn relative_error(&self) -> Option<f64> {
+        let n = self.batches.len() as f64;
+        if n < 2.0 || self.emitted <= 0.0 {
+            return None;
+        }
+        let passes: f64 = self.batches.iter().map(|b| b.0).sum();
+        let mean: f64 = self.batches.iter().map(|b| b.1).sum::<f64>() / passes;
+        let per_pass = self.batches.iter().map(|(p, d)| (d - p * mean).powi(2) / p).sum::<f64>() / (n - 1.0);
+        Some((per_pass * passes).sqrt() / self.emitted)
+    }
+}
