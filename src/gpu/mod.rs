@@ -32,6 +32,8 @@ const PILOT_PASS: u32 = u32::MAX;
 const JOTONS_PER_LANE_SOFTWARE: u32 = 32;
 /// On a GPU thousands of lanes run together.
 const JOTONS_PER_LANE: u32 = 4;
+/// Lanes that are tried before the first pass.
+const PROBE_LANES: u32 = 512;
 /// Room for lanes that store more than the pilot's fullest one.
 const CAPACITY_SLACK: f64 = 1.5;
 /// The area points are scattered anew after this many passes, so that their own error averages out.
@@ -140,6 +142,15 @@ impl GpuBackend {
 
     /// Find out how often the trace kernel must be dispatched and how much a lane stores, by tracing the pilot pass.
     fn shape_lanes(&mut self) -> Result<()> {
+        // a part of the lanes tells as much as all of them
+        let whole = self.shapes;
+        for kind in [Kind::Caustic, Kind::Diffuse] {
+            if let Some(shape) = self.shapes.of_mut(kind) {
+                let part = f64::from(PROBE_LANES.min(shape.lanes)) / f64::from(shape.lanes);
+                shape.lanes = PROBE_LANES.min(shape.lanes);
+                shape.emitted = (f64::from(shape.emitted) * part).ceil() as u32;
+            }
+        }
         loop {
             self.bind()?;
             let mut settled = true;
@@ -166,8 +177,9 @@ impl GpuBackend {
             if settled {
                 // one dispatch more than the pilot needed: other passes take a little longer
                 for kind in [Kind::Caustic, Kind::Diffuse] {
-                    if let Some(shape) = self.shapes.of_mut(kind) {
+                    if let (Some(shape), Some(whole)) = (self.shapes.of_mut(kind), whole.of(kind)) {
                         shape.dispatches += 1 + shape.dispatches / 2;
+                        (shape.lanes, shape.emitted) = (whole.lanes, whole.emitted);
                     }
                 }
                 return self.bind();
