@@ -124,7 +124,7 @@ impl CpuBackend {
         let diffuse_radius = plan.diffuse.radius(pass) as f32;
         // pass by pass the same, whatever was rendered before: the first pass of a group knows nothing
         let area = self.area.as_ref();
-        let known = pass % PASSES_PER_SCATTER != 0;
+        let known = !pass.is_multiple_of(PASSES_PER_SCATTER);
         let pass = Pass {
             scene,
             plan,

@@ -126,7 +126,7 @@ impl Tracer<'_> {
         let mut state = LightPaths::START;
         let (mut specular, mut diffuse) = (0u32, 0u32);
         for event in 0..EVENTS_MAX {
-            if !(max(&flux) > 0.0) {
+            if max(&flux) <= 0.0 {
                 return;
             }
             self.tally.rays += 1;
