@@ -38,7 +38,7 @@ pub struct Hit {
     pub v: f32,
 }
 
-/// Origin and edges of a triangle, as [`intersect_triangle`] wants them.
+/// Origin and edges of a triangle, as `intersect_triangle` wants them.
 pub trait Edges {
     /// First vertex, and the edges from it to the second and third.
     fn edges(&self) -> [Vec3; 3];
