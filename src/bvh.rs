@@ -65,6 +65,20 @@ impl Bvh {
         self.wide.nodes.iter().map(|n| bytemuck::cast::<_, Node>(*n)).collect()
     }
 
+    /// Levels of inner nodes.
+    pub fn depth(&self) -> u32 {
+        let mut deepest = 0;
+        let mut open = vec![(0usize, 1u32)];
+        while let Some((index, level)) = open.pop() {
+            let Some(node) = self.wide.nodes.get(index) else { continue };
+            deepest = deepest.max(level);
+            let children = node.imask.count_ones() as usize;
+            let first = node.child_base_idx as usize;
+            open.extend((first..first + children).map(|child| (child, level + 1)));
+        }
+        deepest
+    }
+
     /// The nearest triangle with distance in `(0, t_max)`.
     pub fn closest<T: Edges>(
         &self,
