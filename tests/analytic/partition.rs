@@ -1,0 +1,58 @@
+//! Every path is counted once: path expressions that share no path add up, and each class is the path tracer's.
+
+use crate::build::{Build, Look, clear, glowing, matte, v};
+use crate::harness::{EVERYTHING, Renderer, Seen, everyone, mappers, render};
+use joton::film::Layer;
+
+/// A room with a glass ball under a glowing ceiling, large enough that a path tracer finds its caustics.
+fn room() -> Build {
+    let mut b = Build::new(v(0., -0.95, 0.1), v(0., 0., 0.1), 1.2, 16);
+    let (low, high) = (v(-1., -1., -1.), v(1., 1., 1.));
+    b.cuboid(low, high, false, &matte([0.7, 0.5, 0.3]));
+    b.ceiling(v(0., 0., 0.99), 0.8, &glowing([1.0, 2.0, 3.0], [0.0; 3]));
+    b.sphere(v(0.1, 0.1, -0.5), 0.4, 2, Look::OutwardSmooth, &clear(1.5));
+    b
+}
+
+/// Sets of paths that share none and are all paths together add up to the image, pixel by pixel: the same random
+/// numbers, summed in another order.
+#[test]
+fn path_sets_add_up_to_the_whole() {
+    let b = room();
+    for who in everyone() {
+        let whole = render(who, &b.0, EVERYTHING, 8).pixels(&Layer::ALL);
+        for sets in [
+            &["LS*E", "LDS*E", "LS+DS*E", "L.*D.*DS*E"][..],
+            &["LE", "LD.*E", "LS.*E"],
+            &["L.*DE|LE", "L.*SE"],
+        ] {
+            let parts: Vec<_> =
+                sets.iter().map(|paths| render(who, &b.0, paths, 8).pixels(&Layer::ALL)).collect();
+            for (i, want) in whole.iter().enumerate() {
+                for band in 0..3 {
+                    let sum: f64 = parts.iter().map(|p| p[i][band]).sum();
+                    let off = (sum - want[band]).abs();
+                    assert!(off <= 1e-4 * want[band].max(0.1), "{who:?} {sets:?}: {sum}, {}", want[band]);
+                }
+            }
+        }
+    }
+}
+
+/// Each layer holds as much light as the path tracer finds of its class.
+#[test]
+fn each_class_is_the_path_tracers() {
+    let b = room();
+    let traced = render(Renderer::PathTracer, &b.0, EVERYTHING, 128);
+    for who in mappers() {
+        let shot = render(who, &b.0, EVERYTHING, 48);
+        for (layer, tolerance) in
+            [(Layer::Emission, 0.03), (Layer::Direct, 0.01), (Layer::Caustic, 0.04), (Layer::Diffuse, 0.02)]
+        {
+            let (seen, want) = (shot.layer(layer), traced.layer(layer));
+            // the noise of both
+            let error = std::array::from_fn(|b| seen.error[b].hypot(want.error[b]));
+            shot.claim(layer.name(), Seen { error, ..seen }, want.mean, tolerance);
+        }
+    }
+}
