@@ -5,8 +5,8 @@ use crate::harness::{EVERYTHING, Renderer, Seen, everyone, mappers, render};
 use joton::film::Layer;
 
 /// A room with a glass ball under a glowing ceiling, large enough that a path tracer finds its caustics.
-fn room() -> Build {
-    let mut b = Build::new(v(0., -0.95, 0.1), v(0., 0., 0.1), 1.2, 16);
+fn room(size: u32) -> Build {
+    let mut b = Build::new(v(0., -0.95, 0.1), v(0., 0., -0.2), 1.2, size);
     let (low, high) = (v(-1., -1., -1.), v(1., 1., 1.));
     b.cuboid(low, high, false, &matte([0.7, 0.5, 0.3]));
     b.ceiling(v(0., 0., 0.99), 0.8, &glowing([1.0, 2.0, 3.0], [0.0; 3]));
@@ -18,7 +18,7 @@ fn room() -> Build {
 /// numbers, summed in another order.
 #[test]
 fn path_sets_add_up_to_the_whole() {
-    let b = room();
+    let b = room(16);
     for who in everyone() {
         let whole = render(who, &b.0, EVERYTHING, 8).pixels(&Layer::ALL);
         for sets in [
@@ -42,12 +42,13 @@ fn path_sets_add_up_to_the_whole() {
 /// Each layer holds as much light as the path tracer finds of its class.
 #[test]
 fn each_class_is_the_path_tracers() {
-    let b = room();
+    let b = room(32);
     let traced = render(Renderer::PathTracer, &b.0, EVERYTHING, 128);
     for who in mappers() {
         let shot = render(who, &b.0, EVERYTHING, 48);
+        // noise, and in the caustic what the gather radius smears at 32 pixels
         for (layer, tolerance) in
-            [(Layer::Emission, 0.03), (Layer::Direct, 0.01), (Layer::Caustic, 0.04), (Layer::Diffuse, 0.02)]
+            [(Layer::Emission, 0.03), (Layer::Direct, 0.03), (Layer::Caustic, 0.05), (Layer::Diffuse, 0.03)]
         {
             let (seen, want) = (shot.layer(layer), traced.layer(layer));
             // the noise of both
