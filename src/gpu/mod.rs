@@ -2,6 +2,8 @@
 
 mod area;
 mod context;
+#[doc(hidden)]
+pub mod harness;
 mod kernel;
 mod map;
 mod recorder;
@@ -20,6 +22,7 @@ use crate::error::{Error, Result};
 use crate::film::{LAYERS, Layer};
 use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, PathFilter, status};
 use crate::pack::PackedScene;
+use crate::paths::LightPaths;
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
 use map::{Kind, Map, MapKernels, Shape};
 use recorder::{Recorder, Timer};
@@ -557,8 +560,7 @@ impl Kernels {
 }
 
 /// The uniform of the path filter.
-fn path_filter(plan: &Plan) -> PathFilter {
-    let paths = &plan.settings.paths;
+fn path_filter(paths: &LightPaths) -> PathFilter {
     let mut filter = PathFilter { transitions: [[0; 4]; 16], accept: [[0; 4]; 16] };
     for (state, next) in paths.transitions().into_iter().enumerate() {
         for (event, to) in next.into_iter().enumerate() {

@@ -41,7 +41,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         context.queue.write_buffer(&buffer, 0, bytes);
         buffers.insert(name, buffer);
     }
-    let filter = path_filter(plan);
+    let filter = path_filter(&plan.settings.paths);
     for (name, bytes) in
         [("targets", bytemuck::bytes_of(&targets)), ("path_filter", bytemuck::bytes_of(&filter))]
     {
@@ -64,7 +64,8 @@ pub(super) fn storage(context: &Context, name: &'static str, size: u64) -> wgpu:
     })
 }
 
-fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
+/// A uniform buffer.
+pub(super) fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
     context.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(name),
         size,
@@ -74,7 +75,7 @@ fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
 }
 
 /// A unit vector in 32 bits, as shaders/shared/sampling.wgsl encodes it.
-pub(super) fn encode(n: Vec3) -> u32 {
+pub fn encode(n: Vec3) -> u32 {
     let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
     let e =

@@ -1,0 +1,12 @@
+//! Functions that the kernels share, each against Rust on given inputs: shaders/shared, file by file.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bsdf;
+mod emitter;
+mod grid;
+mod paths;
+mod rng;
+mod sampling;
+mod scatter;
