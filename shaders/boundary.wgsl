@@ -60,13 +60,19 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let r2 = r * r;
     let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.area_cells_per_unit);
     let highest = cell_of(point.position + r, map_info.grid_origin, map_info.area_cells_per_unit);
-    let first = column(lowest.x, map_info.area_columns);
-    let last = column(highest.x, map_info.area_columns);
+    let cell = 1.0 / map_info.area_cells_per_unit;
     var m = vec3(0.0); // n, Σx, Σy
     var mm = vec3(0.0); // Σxx, Σxy, Σyy
     for (var z = lowest.z; z <= highest.z; z += 1) {
         for (var y = lowest.y; y <= highest.y; y += 1) {
+            let reach = reach_in_row(point.position, r2, y, z, map_info.grid_origin, cell);
+            if reach < 0.0 {
+                continue;
+            }
             let row = row_bucket(y, z, map_info.area_row_mask);
+            let x = point.position.x - map_info.grid_origin.x;
+            let first = column(i32(floor((x - reach) * map_info.area_cells_per_unit)), map_info.area_columns);
+            let last = column(i32(floor((x + reach) * map_info.area_cells_per_unit)), map_info.area_columns);
             let end = area_starts[row + last + 1u];
             var i = area_starts[row + first];
             while i < end {
@@ -76,10 +82,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 let facing = dot(decode_normal24(a.normal), front);
                 let share = select(GATHER_SHEET_SHARE, GATHER_PLANE_SHARE, facing > 0.0);
                 if dot(d, d) < r2 && abs(facing) > 127.0 * GATHER_NORMAL_COS && abs(dot(d, normal)) < share * r {
-                    let x = dot(d, frame[0]);
+                    let u = dot(d, frame[0]);
                     let v = dot(d, frame[1]);
-                    m += vec3(1.0, x, v);
-                    mm += vec3(x * x, x * v, v * v);
+                    m += vec3(1.0, u, v);
+                    mm += vec3(u * u, u * v, v * v);
                 }
             }
             if i < end {

@@ -1,5 +1,5 @@
 // Eye: one camera path per pixel, through mirrors and glass to the first diffuse surface: a gather point.
-// Emission that is met on the way goes to the film (E S* L).
+// Emission that is met on the way goes to the film (E S* L), but where the glint kernel sees to it.
 // reads  scene, path_filter      writes  gather_points, film_emission, status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
@@ -8,6 +8,7 @@
 // import: shared/surface.wgsl
 // import: shared/bsdf.wgsl
 // import: shared/scatter.wgsl
+// import: shared/camera.wgsl
 // import: shared/paths.wgsl
 
 @group(1) @binding(0) var<uniform> path_filter: PathFilter;
@@ -29,15 +30,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let jitter = sobol2(pass_info.pass_index, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
-    let x = (f32(pixel % pass_info.width) + jitter.x) / f32(pass_info.width);
-    let y = (f32(pixel / pass_info.width) + jitter.y) / f32(pass_info.height);
+    let choices = sobol2(pass_info.pass_index, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
+    let flags = gather_points[pixel].pixel_flags;
     var origin = pass_info.eye;
-    var direction =
-        normalize(pass_info.forward + (2.0 * x - 1.0) * pass_info.right + (1.0 - 2.0 * y) * pass_info.up);
+    var direction = camera_direction(pixel, jitter);
     var throughput = Bands(1.0);
     var emission = Bands(0.0);
     var length = 0.0;
-    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, 0u);
+    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, flags);
     var events = 0u;
     var rays = 0u;
 
@@ -67,13 +67,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput.
         let random = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_EYE + events);
-        let choice = random.x * total;
+        var choice = random.x;
+        if events < 2u {
+            choice = select(choices.y, choices.x, events == 0u);
+        }
+        choice *= total;
         if choice < scatter {
             let back = select(BACK_SIDE, 0u, from_front);
             point = GatherPoint(
                 s.position, s.material | (min(events, CHAIN_MAX) << 24u) | back,
                 throughput * (total / scatter), length,
-                encode_direction(geometric), encode_direction(shading), encode_direction(-direction), 0u,
+                encode_direction(geometric), encode_direction(shading), encode_direction(-direction), flags,
             );
             break;
         }
@@ -104,5 +108,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     }
     atomicAdd(&status[STATUS_RAYS], rays);
     gather_points[pixel] = point;
-    film_emission[pixel] += vec4(emission, 0.0);
+    if (flags & PIXEL_GLINT) == 0u {
+        film_emission[pixel] += vec4(emission, 0.0);
+    }
 }

@@ -49,12 +49,18 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let plane = GATHER_PLANE_SHARE * r;
     let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.cells_per_unit);
     let highest = cell_of(point.position + r, map_info.grid_origin, map_info.cells_per_unit);
-    let first = column(lowest.x, map_info.columns);
-    let last = column(highest.x, map_info.columns);
+    let cell = 1.0 / map_info.cells_per_unit;
     var sum = Bands(0.0);
     for (var z = lowest.z; z <= highest.z; z += 1) {
         for (var y = lowest.y; y <= highest.y; y += 1) {
+            let reach = reach_in_row(point.position, r2, y, z, map_info.grid_origin, cell);
+            if reach < 0.0 {
+                continue;
+            }
             let row = row_bucket(y, z, map_info.row_mask);
+            let x = point.position.x - map_info.grid_origin.x;
+            let first = column(i32(floor((x - reach) * map_info.cells_per_unit)), map_info.columns);
+            let last = column(i32(floor((x + reach) * map_info.cells_per_unit)), map_info.columns);
             let end = bucket_starts[row + last + 1u];
             var i = bucket_starts[row + first];
             while i < end {

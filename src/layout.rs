@@ -81,7 +81,7 @@ gpu_struct! {
     pub struct MapInfo {
         /// Lower corner of the grid.
         pub grid_origin: Vec3,
-        /// One over the width of a cell; a cell is as wide as the largest gather radius.
+        /// One over the width of a cell.
         pub cells_per_unit: f32,
         /// Gather radius; of the caustic map the largest one.
         pub radius: f32,
@@ -136,10 +136,13 @@ gpu_struct! {
         pub shading_normal: u32,
         /// Direction toward the eye, octahedral.
         pub wo: u32,
-        /// Padding.
-        pub pad: u32,
+        /// [`PIXEL_GLINT`] or 0; stays from pass to pass.
+        pub pixel_flags: u32,
     }
 }
+
+/// Bit of [`GatherPoint::pixel_flags`]: emission in this pixel is the glint kernel's.
+pub const PIXEL_GLINT: u32 = 1;
 
 /// Bit of [`GatherPoint::surface`].
 pub const BACK_SIDE: u32 = 1 << 30;
@@ -267,6 +270,7 @@ pub fn constants() -> String {
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
     u("BACK_SIDE", BACK_SIDE);
+    u("PIXEL_GLINT", PIXEL_GLINT);
     u("STATUS_UNFINISHED", status::UNFINISHED);
     u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
     u("STATUS_NON_FINITE", status::NON_FINITE);
@@ -282,6 +286,10 @@ pub fn constants() -> String {
     writeln!(s, "const GATHER_SHEET_SHARE: f32 = {GATHER_SHEET_SHARE:?};").expect("writing to a string");
     s
 }
+
+/// A map's cells are this many times narrower than its radius. Smaller cells follow the disc more closely, but visiting
+/// a row costs as much as a few jotons: 2 was slower than 1.
+pub const CELLS_PER_RADIUS: f32 = 1.0;
 
 /// Factors of y and z in the number of a row's first bucket; see [`row_bucket`].
 pub const ROW_FACTORS: [u32; 2] = [0x9e37_79b1, 0x85eb_ca6b];

@@ -5,6 +5,7 @@
 pub mod backend;
 pub mod bands;
 pub mod bvh;
+pub mod cpu;
 pub mod error;
 pub mod film;
 pub mod gpu;

@@ -15,3 +15,11 @@ fn row_bucket(y: i32, z: i32, row_mask: u32) -> u32 {
 fn column(x: i32, columns: u32) -> u32 {
     return u32(clamp(x, 0, i32(columns) - 1));
 }
+
+// Half of the width that a sphere about `position` has within a row of cells; negative where it does not reach the row.
+fn reach_in_row(position: vec3<f32>, radius_squared: f32, y: i32, z: i32, origin: vec3<f32>, cell: f32) -> f32 {
+    let low = origin.yz + vec2<f32>(vec2(y, z)) * cell;
+    let off = max(max(low - position.yz, position.yz - low - cell), vec2(0.0));
+    let left = radius_squared - dot(off, off);
+    return select(-1.0, sqrt(max(left, 0.0)), left >= 0.0);
+}

@@ -65,8 +65,12 @@ const STREAM_CAUSTIC_PLACE: u32 = 2u;
 const STREAM_CAUSTIC_DIRECTION: u32 = 3u;
 const STREAM_DIFFUSE_PLACE: u32 = 4u;
 const STREAM_DIFFUSE_DIRECTION: u32 = 5u;
+const STREAM_CHOICE: u32 = 6u;
+const STREAM_GLINT_JITTER: u32 = 7u;
+const STREAM_GLINT_CHOICE: u32 = 8u;
 // Dimensions of hashed numbers: one for each event of a path, in a range for each kind of path.
 const DIMENSION_EYE: u32 = 0u;
 const DIMENSION_DIRECT: u32 = 0x10000u;
 const DIMENSION_CAUSTIC: u32 = 0x20000u;
 const DIMENSION_DIFFUSE: u32 = 0x30000u;
+const DIMENSION_GLINT: u32 = 0x40000u;

@@ -1,6 +1,7 @@
 //! Which device a command runs on: `--device auto|gpu|cpu|NAME`.
 
 use joton::backend::Backend;
+use joton::cpu::{CpuBackend, PathTracer};
 use joton::gpu::{Context, GpuBackend};
 use joton::pack::PackedScene;
 use joton::plan::Plan;
@@ -37,6 +38,12 @@ pub(super) fn open(
     Ok((backend, line))
 }
 
-fn cpu(_reference: bool, _scene: &Arc<PackedScene>, _plan: &Plan) -> Result<(Box<dyn Backend>, String)> {
-    Err(Error::usage("the CPU backend is not there yet", "use --device gpu"))
+fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Result<(Box<dyn Backend>, String)> {
+    let backend: Box<dyn Backend> = if reference {
+        Box::new(PathTracer::new(Arc::clone(scene), plan.clone()))
+    } else {
+        Box::new(CpuBackend::new(Arc::clone(scene), plan.clone()))
+    };
+    let line = backend.describe();
+    Ok((backend, line))
 }

@@ -1,7 +1,7 @@
 //! The area points' grid: scattered on the host, sorted into the same kind of hashed grid as the jotons.
 
 use super::scene_buffers::encode_area_point;
-use crate::layout::{AreaPoint, row_bucket};
+use crate::layout::{AreaPoint, CELLS_PER_RADIUS, row_bucket};
 use crate::pack::{PackedScene, scatter_area_points};
 use glam::Vec3;
 
@@ -41,7 +41,7 @@ pub(super) fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
 pub(super) fn build(scene: &PackedScene, radius: f64, seed: u32) -> AreaGrid {
     let (points, each) = scatter_area_points(scene, points_wanted(scene, radius), seed);
     let extent = scene.bounds[1] - scene.bounds[0];
-    let cells_per_unit = (1.0 / radius as f32).min(30_000.0 / extent.max_element());
+    let cells_per_unit = (CELLS_PER_RADIUS / radius as f32).min(30_000.0 / extent.max_element());
     let columns = (extent.x * cells_per_unit) as u32 + 1;
     let row_mask = (1u32 << ((1u32 << KEY_BITS) - columns).ilog2()) - 1;
     let key = |p: Vec3| {

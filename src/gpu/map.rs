@@ -4,7 +4,7 @@ use super::context::Context;
 use super::kernel::{Buffers, Kernel, Step};
 use super::recorder::Recorder;
 use crate::error::{Error, Result};
-use crate::layout::{Joton, Lane, LaneTally, MapInfo};
+use crate::layout::{CELLS_PER_RADIUS, Joton, Lane, LaneTally, MapInfo};
 use crate::pack::PackedScene;
 use crate::plan::Schedule;
 use bytemuck::{Pod, Zeroable};
@@ -229,7 +229,7 @@ impl Map {
     ) -> MapInfo {
         let radius = schedule.radius(pass) as f32;
         let extent = scene.bounds[1] - scene.bounds[0];
-        let cells_per_unit = (1.0 / radius).min(COLUMNS_MAX / extent.max_element());
+        let cells_per_unit = (CELLS_PER_RADIUS / radius).min(COLUMNS_MAX / extent.max_element());
         let columns = (extent.x * cells_per_unit) as u32 + 1;
         let rows = (1u32 << self.key_bits) - columns;
         // the largest power of two that leaves room for the columns

@@ -63,6 +63,7 @@ pub struct GpuBackend {
 /// The compiled kernels.
 struct Kernels {
     eye: Kernel,
+    glint: Option<[Kernel; 3]>,
     direct: Option<Kernel>,
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
@@ -75,6 +76,8 @@ struct Kernels {
 /// The kernels with their buffers.
 struct Steps {
     eye: Step,
+    /// Of a pass, of the pilot, and the marking of pixels.
+    glint: Option<[Step; 3]>,
     direct: Option<Step>,
     boundary: Option<[Step; 2]>,
     maps: Vec<(Map, Step)>,
@@ -131,8 +134,10 @@ impl GpuBackend {
             staging: None,
         };
         backend.shape_lanes()?;
+        backend.mark_glints()?;
         backend.choose_caustic_radii()?;
         backend.find_edges()?;
+        backend.warm_up()?;
         Ok(backend)
     }
 
@@ -224,6 +229,14 @@ impl GpuBackend {
         };
         self.steps = Some(Steps {
             eye: kernels.eye.bind(context, buffers, &[])?,
+            glint: match &kernels.glint {
+                Some([pass, pilot, mark]) => Some([
+                    pass.bind(context, buffers, &[("film", "film_emission")])?,
+                    pilot.bind(context, buffers, &[("film", "radii")])?,
+                    mark.bind(context, buffers, &[("glints", "radii")])?,
+                ]),
+                None => None,
+            },
             direct: optional(&kernels.direct, &[])?,
             boundary: match &kernels.boundary {
                 [Some(pass), Some(pilot)] => {
@@ -330,6 +343,34 @@ impl GpuBackend {
         Ok(())
     }
 
+    /// Mark the pixels that see emission in a part only, or through specular surfaces.
+    fn mark_glints(&mut self) -> Result<()> {
+        let pass = self.pass_info(PILOT_PASS);
+        let Some(Steps { glint: Some([_, pilot, mark]), .. }) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let at = [("pass_info", recorder.ring.push(&pass))];
+        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.dispatch(mark, &at, self.scene.pixels() as u32);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
+    /// Run every kernel of a pass on nothing: drivers compile at the first dispatch, and that is set-up.
+    fn warm_up(&mut self) -> Result<()> {
+        let Some(steps) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let nothing: PassInfo = bytemuck::Zeroable::zeroed();
+        let no_map: MapInfo = bytemuck::Zeroable::zeroed();
+        let at = [("pass_info", recorder.ring.push(&nothing)), ("map_info", recorder.ring.push(&no_map))];
+        let kernels = [&steps.eye].into_iter().chain(&steps.direct).chain(steps.glint.iter().flatten());
+        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(steps.boundary.iter().flatten());
+        for step in kernels.chain(maps) {
+            recorder.dispatch(step, &at, 1);
+        }
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
     /// Find the pixels whose discs are cut by edges, once, with the largest radius.
     fn find_edges(&mut self) -> Result<()> {
         if self.shapes.diffuse.is_none() {
@@ -361,6 +402,9 @@ impl GpuBackend {
         let pass_info = recorder.ring.push(&pass);
         let at = [("pass_info", pass_info)];
         recorder.dispatch(&steps.eye, &at, pixels);
+        if let Some([glint, ..]) = &steps.glint {
+            recorder.dispatch(glint, &at, pixels);
+        }
         if let Some(direct) = &steps.direct {
             recorder.dispatch(direct, &at, pixels);
         }
@@ -537,6 +581,17 @@ impl Kernels {
         ];
         Ok(Self {
             eye: compile("eye.wgsl")?,
+            glint: if plan.traces(Layer::Emission) {
+                let mut pilot = features.to_vec();
+                pilot.push(("PILOT", 1.0));
+                Some([
+                    compile("glint.wgsl")?,
+                    Kernel::new(context, "glint.wgsl", "main", &pilot)?,
+                    compile("glint_mark.wgsl")?,
+                ])
+            } else {
+                None
+            },
             direct: optional(plan.traces(Layer::Direct), &|| compile("direct.wgsl"))?,
             trace: [
                 optional(caustic, &|| with("trace.wgsl", true))?,

@@ -13,6 +13,8 @@ macro_rules! sources {
 
 sources![
     "eye.wgsl",
+    "glint.wgsl",
+    "glint_mark.wgsl",
     "direct.wgsl",
     "trace.wgsl",
     "lane_counts.wgsl",
@@ -33,6 +35,7 @@ sources![
     "shared/scatter.wgsl",
     "shared/emitter.wgsl",
     "shared/emit.wgsl",
+    "shared/camera.wgsl",
     "shared/paths.wgsl",
     "shared/grid.wgsl",
     "shared/index.wgsl",

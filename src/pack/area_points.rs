@@ -17,11 +17,20 @@ pub struct AreaPoint {
 /// Steps of the R2 lattice (Roberts 2018): inverse powers of the plastic number.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
+/// Of two faces in the same place (doubled faces, nearer than this) one counts: the one that a ray on to it hits. Rays
+/// meet only that one too, so jotons lie on it once.
+const COVER_DISTANCE: f32 = 0.01;
+
 /// About `count` points and the area of each, internal units². Systematic along the cumulative area, so that a
 /// triangle's number of points is its area's share to within one; a shifted R2 lattice within a triangle.
 pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>, f32) {
     let each = scene.diffuse_area / count.max(1) as f64;
     let mut points = Vec::with_capacity(count + 1);
+    let covered = |position: Vec3, normal: Vec3, triangle: usize| {
+        let from = position + normal * COVER_DISTANCE;
+        let hit = scene.bvh.closest(&scene.triangles, from, -normal, 2.0 * COVER_DISTANCE);
+        hit.is_some_and(|h| h.triangle as usize != triangle)
+    };
     if each <= 0.0 {
         return (points, 0.0);
     }
@@ -40,7 +49,10 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
                 let x = (f64::from(shift[0]) + i * R2[0]).fract() as f32;
                 let y = (f64::from(shift[1]) + i * R2[1]).fract() as f32;
                 let [u, v] = square_to_triangle([x, y]);
-                points.push(AreaPoint { position: t.v0 + t.e1 * u + t.e2 * v, normal });
+                let position = t.v0 + t.e1 * u + t.e2 * v;
+                if !covered(position, normal, index) {
+                    points.push(AreaPoint { position, normal });
+                }
                 next += each;
                 i += 1.0;
             }

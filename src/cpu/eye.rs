@@ -1,0 +1,135 @@
+//! Eye: a camera ray through specular surfaces to its gather point, and the emission met on the way (E S* L).
+
+use super::bsdf::{Boundary, reflectance_d, sample_mirror};
+use super::ray::{Ray, Surface};
+use super::streams::{DIMENSION_EYE, STREAM_JITTER};
+use super::trace::{CERTAIN_EVENTS, EVENTS_MAX, SURVIVAL};
+use crate::backend::Tally;
+use crate::bands::{BLACK, Bands, add, max, mul, scale};
+use crate::pack::{PackedMaterial, PackedScene, PackedTriangle};
+use crate::paths::LightPaths;
+use crate::plan::Plan;
+use crate::rng::{random4, sequence_seed, sobol2};
+use glam::Vec3;
+
+/// The first D vertex of an eye path; normals turned toward the eye.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GatherPoint<'a> {
+    pub(super) position: Vec3,
+    /// Unit geometric normal.
+    pub(super) ng: Vec3,
+    /// Unit shading normal.
+    pub(super) ns: Vec3,
+    /// Unit vector toward the eye, back along the chain.
+    pub(super) wo: Vec3,
+    /// Radiance at the eye per radiance that leaves the point through its D lobes.
+    pub(super) throughput: Bands,
+    pub(super) material: &'a PackedMaterial,
+    pub(super) triangle: &'a PackedTriangle,
+    /// Specular events between the eye and the point.
+    pub(super) chain: u32,
+    /// Length of the path from the eye, internal units.
+    pub(super) length: f32,
+}
+
+/// What an eye path found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EyePath<'a> {
+    /// Radiance of the emitters on the chain.
+    pub(super) emission: Bands,
+    pub(super) gather_point: Option<GatherPoint<'a>>,
+}
+
+/// The camera's ray of a pixel in a pass; box filter one pixel wide.
+pub(super) fn camera_ray(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -> Ray {
+    let [jx, jy] = sobol2(pass, sequence_seed(seed, pixel, STREAM_JITTER));
+    let [width, height] = scene.size;
+    let x = ((pixel % width) as f32 + jx) / width as f32;
+    let y = ((pixel / width) as f32 + jy) / height as f32;
+    let c = &scene.camera;
+    let direction = c.forward + c.right * (2.0 * x - 1.0) + c.up * (1.0 - 2.0 * y);
+    Ray { origin: c.eye, direction: direction.normalize() }
+}
+
+/// Follow a pixel's ray to the first D event.
+pub(super) fn follow<'a>(
+    scene: &'a PackedScene,
+    plan: &Plan,
+    pixel: u32,
+    pass: u32,
+    tally: &mut Tally,
+) -> EyePath<'a> {
+    let settings = &plan.settings;
+    let mut ray = camera_ray(scene, settings.seed, pixel, pass);
+    let (mut throughput, mut length) = ([1.0; 3], 0.0);
+    let mut path = EyePath { emission: BLACK, gather_point: None };
+    for chain in 0..EVENTS_MAX {
+        tally.rays += 1;
+        let Some(s) = Surface::hit(scene, &ray) else { return path };
+        length += s.distance;
+        if s.front
+            && s.flags().is_emissive()
+            && (!plan.features.path_filter
+                || settings.paths.accept_mask_after_specular(chain) >> LightPaths::START & 1 == 1)
+        {
+            path.emission = add(&path.emission, &mul(&throughput, &s.material.emission));
+        }
+        let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
+        let on = if s.flags().is_dielectric() {
+            cross(&s, &mut throughput, u_way)
+        } else {
+            let weight_d = max(&mul(&throughput, &reflectance_d(s.material)));
+            let weight_s = max(&mul(&throughput, &s.material.specular));
+            if !(weight_d + weight_s > 0.0) {
+                return path;
+            }
+            // one lobe only: probability 1, no noise
+            let p_d = weight_d / (weight_d + weight_s);
+            if u_way < p_d {
+                path.gather_point = Some(GatherPoint {
+                    position: s.position,
+                    ng: s.ng,
+                    ns: s.ns,
+                    wo: s.back,
+                    throughput: scale(&throughput, 1.0 / p_d),
+                    material: s.material,
+                    triangle: s.triangle,
+                    chain,
+                    length,
+                });
+                return path;
+            }
+            throughput = scale(&mul(&throughput, &s.material.specular), 1.0 / (1.0 - p_d));
+            sample_mirror(&s, [u0, u1])
+        };
+        let Some(direction) = on else { return path };
+        if chain >= CERTAIN_EVENTS {
+            if u_survive >= SURVIVAL {
+                return path;
+            }
+            throughput = scale(&throughput, 1.0 / SURVIVAL);
+        }
+        ray = s.leave(direction);
+    }
+    tally.truncated += 1;
+    path
+}
+
+/// Through a dielectric boundary or off it. Radiance scales by (η_i/η_t)² on crossing; a joton's flux does not.
+fn cross(s: &Surface, throughput: &mut Bands, u: f32) -> Option<Vec3> {
+    let b = Boundary::at(s);
+    let reflected = scale(&mul(throughput, &s.material.specular), b.fresnel);
+    let transmitted = scale(&mul(throughput, &s.material.transmission), 1.0 - b.fresnel);
+    let (r, t) = (max(&reflected), max(&transmitted));
+    if !(r + t > 0.0) {
+        return None;
+    }
+    let p = r / (r + t);
+    if u < p {
+        *throughput = scale(&reflected, 1.0 / p);
+        Some(b.reflected)
+    } else {
+        *throughput = scale(&transmitted, b.eta_i_over_t * b.eta_i_over_t / (1.0 - p));
+        Some(b.refracted)
+    }
+}

@@ -1,0 +1,163 @@
+//! Pixels: one pass's eye path, direct light and gather of every pixel, in small tiles so that neighbours share caches.
+
+use super::boundary::{Interior, Weights, weights};
+use super::gather::{Window, count, radiance};
+use super::maps::{AreaMap, JotonMap};
+use super::{Pass, direct, eye};
+use crate::backend::Tally;
+use crate::bands::{Bands, add};
+use crate::film::{LAYERS, Layer};
+use crate::pack::PackedScene;
+use crate::paths::{Event, LightPaths};
+use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
+use rayon::prelude::*;
+
+/// Side of a tile, pixels.
+const TILE: u32 = 8;
+
+/// The pixels of a strip of tiles that lie in the image, tile by tile.
+fn strip(size: [u32; 2], strip: u32) -> impl Iterator<Item = u32> {
+    let [width, height] = size;
+    let rows = strip * TILE..((strip + 1) * TILE).min(height);
+    (0..width.div_ceil(TILE)).flat_map(move |tile| {
+        let columns = tile * TILE..((tile + 1) * TILE).min(width);
+        rows.clone().flat_map(move |y| columns.clone().map(move |x| y * width + x))
+    })
+}
+
+/// Add one pass to the layers.
+pub(super) fn render(pass: &Pass, layers: &mut [Vec<Bands>; LAYERS]) -> Tally {
+    let size = pass.scene.size;
+    let per_strip = (size[0] * TILE) as usize;
+    let [emission, direct, caustic, diffuse] = layers;
+    let strips: Vec<[&mut [Bands]; LAYERS]> = emission
+        .chunks_mut(per_strip)
+        .zip(direct.chunks_mut(per_strip))
+        .zip(caustic.chunks_mut(per_strip))
+        .zip(diffuse.chunks_mut(per_strip))
+        .map(|(((e, d), c), f)| [e, d, c, f])
+        .collect();
+    let tallies: Vec<Tally> = strips
+        .into_par_iter()
+        .enumerate()
+        .map(|(i, mut out)| {
+            let mut tally = Tally::default();
+            for pixel in strip(size, i as u32) {
+                let local = pixel as usize - i * per_strip;
+                for (layer, radiance) in out.iter_mut().zip(one(pass, pixel, &mut tally)) {
+                    if radiance.iter().all(|x| is_finite(*x)) {
+                        layer[local] = add(&layer[local], &radiance);
+                    } else {
+                        tally.non_finite += 1;
+                    }
+                }
+            }
+            tally
+        })
+        .collect();
+    let mut all = Tally::default();
+    tallies.into_iter().for_each(|t| all += t);
+    all
+}
+
+/// Finite, by its bits: no compiler may assume the answer.
+fn is_finite(x: f32) -> bool {
+    x.to_bits() & 0x7f80_0000 != 0x7f80_0000
+}
+
+/// The radiance of one pixel in one pass, by layer.
+fn one(pass: &Pass, pixel: u32, tally: &mut Tally) -> [Bands; LAYERS] {
+    let (scene, plan) = (pass.scene, pass.plan);
+    let mut out = [[0.0; crate::bands::BANDS]; LAYERS];
+    let path = eye::follow(scene, plan, pixel, pass.index, tally);
+    if plan.traces(Layer::Emission) {
+        out[Layer::Emission as usize] = path.emission;
+    }
+    let Some(g) = path.gather_point else { return out };
+    let paths = &plan.settings.paths;
+    let accepted = plan.features.path_filter.then(|| paths.accept_mask_after_specular(g.chain));
+    let after_d = paths.step(LightPaths::START, Event::D);
+    if plan.traces(Layer::Direct) && accepted.is_none_or(|mask| mask >> after_d & 1 == 1) {
+        out[Layer::Direct as usize] = direct::light(scene, plan, &g, pixel, pass.index, tally);
+    }
+    if plan.traces(Layer::Caustic) {
+        let [smallest, largest] = caustic_limits(scene, plan, &g);
+        let base = pass.caustic_base[pixel as usize].clamp(smallest, largest);
+        let w = Window::new(&g, base * base * pass.caustic_shrink);
+        out[Layer::Caustic as usize] =
+            radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared), accepted);
+    }
+    if let (true, Some(area)) = (plan.traces(Layer::Diffuse), pass.area) {
+        let w = Window::new(&g, pass.diffuse_radius * pass.diffuse_radius);
+        let whole = pass.interiors.get(pixel as usize).is_some_and(|i| i.holds(&g, pass.diffuse_radius));
+        let weights = if whole { Weights::plain(w.radius_squared) } else { weights(area, &w) };
+        out[Layer::Diffuse as usize] = radiance(&pass.diffuse, &g, &w, weights, accepted);
+    }
+    out
+}
+
+/// What surrounds each pixel's gather point of a pass: whole surface or not.
+pub(super) fn interiors(
+    scene: &PackedScene,
+    plan: &Plan,
+    pass: u32,
+    area: &AreaMap,
+    radius: f32,
+) -> Vec<Interior> {
+    let strips: Vec<Vec<(u32, Interior)>> = (0..scene.size[1].div_ceil(TILE))
+        .into_par_iter()
+        .map(|i| {
+            let surveyed = strip(scene.size, i).filter_map(|pixel| {
+                let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point?;
+                Some((pixel, Interior::survey(area, &g, radius)))
+            });
+            surveyed.collect()
+        })
+        .collect();
+    let mut all = vec![Interior::default(); scene.pixels()];
+    strips.into_iter().flatten().for_each(|(pixel, interior)| all[pixel as usize] = interior);
+    all
+}
+
+/// Smallest and largest caustic radius of the first pass at a gather point.
+fn caustic_limits(scene: &PackedScene, plan: &Plan, g: &eye::GatherPoint) -> [f32; 2] {
+    let footprint = g.length * scene.pixel_angle();
+    let largest = (CAUSTIC_FOOTPRINTS[1] * footprint).min(plan.caustic.base as f32);
+    [(CAUSTIC_FOOTPRINTS[0] * footprint).min(largest), largest]
+}
+
+/// The caustic radius of each pixel in the first pass, from the jotons counted in a pilot:
+/// r = clamp(r_max √(K/k), r_min, r_max), k the mean count at r_max over 3×3 pixels.
+pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, pass: u32, map: &JotonMap) -> Vec<f32> {
+    let [width, height] = scene.size;
+    let found: Vec<Option<(u32, [f32; 2])>> = (0..scene.pixels() as u32)
+        .into_par_iter()
+        .map(|pixel| {
+            let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point?;
+            let limits = caustic_limits(scene, plan, &g);
+            Some((count(map, &Window::new(&g, limits[1] * limits[1])), limits))
+        })
+        .collect();
+    (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let Some((_, [smallest, largest])) = found[(y * width + x) as usize] else {
+                return plan.caustic.base as f32;
+            };
+            let (mut sum, mut valid) = (0, 0);
+            for v in y.saturating_sub(1)..(y + 2).min(height) {
+                for u in x.saturating_sub(1)..(x + 2).min(width) {
+                    if let Some((count, _)) = found[(v * width + u) as usize] {
+                        sum += count;
+                        valid += 1;
+                    }
+                }
+            }
+            if sum == 0 {
+                return largest;
+            }
+            let mean = sum as f32 / valid as f32;
+            (largest * (CAUSTIC_WANTED / mean).sqrt()).clamp(smallest, largest)
+        })
+        .collect()
+}

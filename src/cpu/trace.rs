@@ -1,0 +1,241 @@
+//! Trace: jotons from their emitters through the scene, stored where a map needs them.
+//!
+//! Caustic jotons follow a pure S chain; each D-capable surface on it gets one (class L S+ D). Diffuse jotons play
+//! full Russian roulette and are stored after their first D event. Flux is stored as it arrives, before the surface's
+//! reflectance, times |wi·Ns|/|wi·Ng|: the gather needs no cosine.
+
+use super::bsdf::{Boundary, eval_d, pdf_d, reflectance_d, sample_d, sample_mirror};
+use super::emit::{Start, aimed, by_law};
+use super::maps::Joton;
+use super::ray::{Ray, Surface};
+use super::streams::*;
+use crate::backend::Tally;
+use crate::bands::{BANDS, Bands, max, mul, scale};
+use crate::pack::PackedScene;
+use crate::paths::{DEAD, Event, LightPaths};
+use crate::plan::Plan;
+use crate::rng::{random4, sequence_seed, sobol2};
+use rayon::prelude::*;
+
+/// Events before a chain may be ended at random: mirrors facing each other never absorb.
+pub(super) const CERTAIN_EVENTS: u32 = 16;
+/// Probability of going on after that, at each event.
+pub(super) const SURVIVAL: f32 = 0.95;
+/// Hard limit of a path's length.
+pub(super) const EVENTS_MAX: u32 = 256;
+/// Most that shading normals may change a joton's flux at one event; Veach's factor is unbounded at grazing angles.
+const ADJOINT_MAX: f32 = 8.0;
+/// Jotons that one task traces: enough to hide the scheduling, few enough to balance it.
+const BLOCK: u32 = 2048;
+
+/// Jotons of one map of one pass, in the order of their numbers, whatever the threads did.
+pub(super) fn jotons(
+    scene: &PackedScene,
+    plan: &Plan,
+    pass: u32,
+    caustic: bool,
+    tally: &mut Tally,
+) -> Vec<Joton> {
+    let count = if caustic { plan.caustic_jotons } else { plan.diffuse_jotons };
+    let blocks: Vec<(Vec<Joton>, Tally)> = (0..count.div_ceil(BLOCK))
+        .into_par_iter()
+        .map(|block| {
+            let mut tracer = Tracer { scene, plan, pass, stored: Vec::new(), tally: Tally::default() };
+            for i in block * BLOCK..((block + 1) * BLOCK).min(count) {
+                if caustic { tracer.caustic(i, count) } else { tracer.diffuse(i, count) }
+            }
+            (tracer.stored, tracer.tally)
+        })
+        .collect();
+    let mut all = Vec::with_capacity(blocks.iter().map(|b| b.0.len()).sum());
+    for (stored, counts) in blocks {
+        all.extend_from_slice(&stored);
+        *tally += counts;
+    }
+    tally.jotons_emitted += u64::from(count);
+    tally.jotons_stored += all.len() as u64;
+    all
+}
+
+struct Tracer<'a> {
+    scene: &'a PackedScene,
+    plan: &'a Plan,
+    pass: u32,
+    stored: Vec<Joton>,
+    tally: Tally,
+}
+
+/// What a surface does with a joton: the probabilities and reflectances of its events.
+struct Odds {
+    /// Reflectance per band and probability of D, of mirror or reflection, of transmission.
+    ways: [(Bands, f32); 3],
+}
+
+impl Odds {
+    /// p_x = max_b(ρ_x Φ)/max_b(Φ); where the maxima lie in different bands they can exceed one together, and are
+    /// scaled down.
+    fn new(s: &Surface, boundary: Option<&Boundary>, flux: &Bands) -> Self {
+        let m = s.material;
+        let reflectances = match boundary {
+            Some(b) => {
+                [reflectance_d(m), scale(&m.specular, b.fresnel), scale(&m.transmission, 1.0 - b.fresnel)]
+            }
+            None => [reflectance_d(m), m.specular, [0.0; BANDS]],
+        };
+        let p = reflectances.map(|r| max(&mul(&r, flux)) / max(flux));
+        let fit = 1.0 / p.iter().sum::<f32>().max(1.0);
+        Self { ways: std::array::from_fn(|i| (reflectances[i], p[i] * fit)) }
+    }
+
+    /// Index of the way that `u` falls on; None is absorption.
+    fn choose(&self, u: f32) -> Option<usize> {
+        let mut below = 0.0;
+        self.ways.iter().position(|&(_, p)| {
+            below += p;
+            p > 0.0 && u < below
+        })
+    }
+}
+
+impl Tracer<'_> {
+    fn sobol(&self, i: u32, count: u32, stream: u32) -> [f32; 2] {
+        let index = self.pass.wrapping_mul(count).wrapping_add(i);
+        sobol2(index, sequence_seed(self.plan.settings.seed, 0, stream))
+    }
+
+    /// A joton of class L S+ D.
+    fn caustic(&mut self, i: u32, count: u32) {
+        let place = self.sobol(i, count, STREAM_CAUSTIC_PLACE);
+        let towards = self.sobol(i, count, STREAM_CAUSTIC_DIRECTION);
+        let Some(start) = aimed(self.scene, place, towards, count as f32) else { return };
+        self.follow::<true>(i, start, DIMENSION_CAUSTIC);
+    }
+
+    /// A joton of class L S* D (D|S)* D.
+    fn diffuse(&mut self, i: u32, count: u32) {
+        let place = self.sobol(i, count, STREAM_DIFFUSE_PLACE);
+        let towards = self.sobol(i, count, STREAM_DIFFUSE_DIRECTION);
+        let start = by_law(self.scene, place, towards, count as f32);
+        add_flux(&mut self.tally.emitted, &start.flux, 1.0);
+        self.follow::<false>(i, start, DIMENSION_DIFFUSE);
+    }
+
+    fn follow<const CAUSTIC: bool>(&mut self, i: u32, start: Start, dimension: u32) {
+        let paths = &self.plan.settings.paths;
+        let (mut ray, mut flux) = (Ray { origin: start.origin, direction: start.direction }, start.flux);
+        let mut state = LightPaths::START;
+        let (mut specular, mut diffuse) = (0u32, 0u32);
+        for event in 0..EVENTS_MAX {
+            if !(max(&flux) > 0.0) {
+                return;
+            }
+            self.tally.rays += 1;
+            let Some(s) = Surface::hit(self.scene, &ray) else {
+                if !CAUSTIC {
+                    add_flux(&mut self.tally.escaped, &flux, 1.0);
+                }
+                return;
+            };
+            let wi_ng = s.back.dot(s.ng);
+            let adjoint_in = if s.smooth { limited(s.back.dot(s.ns).abs() / wi_ng) } else { 1.0 };
+            if s.flags().has_diffuse() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
+                self.store(&s, &scale(&flux, adjoint_in), paths.step(state, Event::D));
+            }
+            let [u_way, u0, u1, u_lobe] =
+                random4(self.plan.settings.seed, self.pass, i, dimension + 2 * event);
+            let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
+            let odds = Odds::new(&s, boundary.as_ref(), &flux);
+            if !CAUSTIC {
+                let lost =
+                    odds.ways.iter().fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
+                add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
+            }
+            let Some(way) = odds.choose(u_way) else { return };
+            if CAUSTIC && way == 0 {
+                return;
+            }
+            let (reflectance, probability) = odds.ways[way];
+            let kept = scale(&mul(&flux, &reflectance), 1.0 / probability);
+            let leaving = match (way, &boundary) {
+                (0, _) => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
+                (1, None) => sample_mirror(&s, [u0, u1]),
+                (1, Some(b)) => Some(b.reflected),
+                (_, Some(b)) => Some(b.refracted),
+                (_, None) => None,
+            };
+            flux = match leaving {
+                Some(w) if way == 0 => self.scatter(&s, w, &scale(&flux, adjoint_in / probability)),
+                Some(w) if s.smooth => scale(&kept, specular_adjoint(&s, w)),
+                Some(_) => kept,
+                None => [0.0; BANDS],
+            };
+            if !CAUSTIC {
+                // what the sampled direction did not carry on was absorbed: keeps the balance exact in expectation
+                add_flux(&mut self.tally.absorbed, &kept, 1.0);
+                add_flux(&mut self.tally.absorbed, &flux, -1.0);
+            }
+            let Some(w) = leaving else { return };
+            if way == 0 {
+                diffuse += 1;
+                state = paths.step(state, Event::D);
+            } else {
+                specular += 1;
+                state = paths.step(state, Event::S);
+            }
+            if state == DEAD && CAUSTIC {
+                return;
+            }
+            if event >= CERTAIN_EVENTS {
+                let [u, ..] = random4(self.plan.settings.seed, self.pass, i, dimension + 2 * event + 1);
+                if u >= SURVIVAL {
+                    return;
+                }
+                flux = scale(&flux, 1.0 / SURVIVAL);
+            }
+            ray = s.leave(w);
+        }
+        self.tally.truncated += 1;
+    }
+
+    /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E9].
+    fn scatter(&self, s: &Surface, w: glam::Vec3, flux: &Bands) -> Bands {
+        let cos_ng = w.dot(s.ng);
+        if cos_ng <= 0.0 {
+            return [0.0; BANDS];
+        }
+        let cos_ns = w.dot(s.ns);
+        let adjoint_out = if s.smooth { limited(cos_ng / cos_ns) } else { 1.0 };
+        if !s.flags().has_glossy() {
+            return scale(&mul(flux, &s.material.diffuse), adjoint_out);
+        }
+        let pdf = pdf_d(s.material, w, s.back, s.ns);
+        scale(&mul(flux, &eval_d(s.material, w, s.back, s.ns)), adjoint_out * cos_ns / pdf)
+    }
+
+    fn store(&mut self, s: &Surface, flux: &Bands, state: u32) {
+        if state == DEAD {
+            return;
+        }
+        if flux.iter().any(|x| !x.is_finite()) {
+            self.tally.non_finite += 1;
+            return;
+        }
+        self.stored.push(Joton { position: s.position, wi: s.back, flux: *flux, normal: s.ng, state });
+    }
+}
+
+/// Veach's factor for an S event: the same as for a D event, so that jotons see the surface that the eye sees.
+fn specular_adjoint(s: &Surface, w: glam::Vec3) -> f32 {
+    let n = s.specular_normal();
+    limited((s.back.dot(n) * w.dot(s.ng) / (s.back.dot(s.ng) * w.dot(n))).abs())
+}
+
+fn limited(factor: f32) -> f32 {
+    if factor.is_finite() { factor.min(ADJOINT_MAX) } else { 1.0 }
+}
+
+fn add_flux(sum: &mut [f64; BANDS], flux: &Bands, sign: f64) {
+    for b in 0..BANDS {
+        sum[b] += sign * f64::from(flux[b]);
+    }
+}
