@@ -74,3 +74,47 @@ fn numbers_past_65535_workgroups_are_all_there() {
         assert_eq!(wrong, None, "{groups} workgroups: {:?}", wrong.map(|w| marks[w]));
     }
 }
+
+/// Half the width of a sphere within a row of cells: against the geometry in f64, and never too small for any point of the
+/// sphere in that row.
+#[test]
+fn a_sphere_reaches_no_further_than_said() {
+    let context = device_or_return!();
+    let origin = Vec3::new(-512.0, -300.25, 17.0);
+    let mut inputs: Vec<[Row; 2]> = Vec::new();
+    for i in 0..4000 {
+        let [x, y, z, s] = random(21, i);
+        let cell = 0.5 + 20.0 * s;
+        let r = cell * [1.0, 0.3, 0.9][i % 3];
+        let p = origin + Vec3::new(x, y, z) * 500.0;
+        let at = ((p - origin) / cell).floor().as_ivec3();
+        let (dy, dz) = ((i / 3 % 3) as i32 - 1, (i / 9 % 3) as i32 - 1);
+        inputs.push([row3(p, r), [(at.y + dy) as u32, (at.z + dz) as u32, cell.to_bits(), 0]]);
+    }
+    let code = "let p = in_f(0u); let t = in_u(1u);
+        out_f(0u, vec4(reach_in_row(p.xyz, p.w * p.w, bitcast<i32>(t.x), bitcast<i32>(t.y),
+            vec3(-512.0, -300.25, 17.0), bitcast<f32>(t.z)), 0.0, 0.0, 0.0));";
+    let out: Vec<[Row; 1]> = Snippet::new(&["shared/grid.wgsl"], code).run(context, &inputs);
+    let (mut reached, mut missed) = (0, 0);
+    for ([p, t], [o]) in inputs.iter().zip(out) {
+        let [_, y, z, r] = floats(*p).map(f64::from);
+        let cell = f64::from(f32::from_bits(t[2]));
+        let off = |value: f64, index: u32, origin: f32| {
+            let low = f64::from(origin) + f64::from(index as i32) * cell;
+            (low - value).max(value - low - cell).max(0.0)
+        };
+        let (oy, oz) = (off(y, t[0], origin.y), off(z, t[1], origin.z));
+        let left = r * r - oy * oy - oz * oz;
+        let got = f64::from(floats(o)[0]);
+        // coordinates up to 512 are rounded to 6e-5
+        let slack = 4e-4 * r;
+        if left < -slack {
+            missed += 1;
+            assert!(got < 0.0, "{left}: {got}");
+        } else if left > slack {
+            reached += 1;
+            assert!((got * got - left).abs() < slack, "{} against {got}", left.sqrt());
+        }
+    }
+    assert!(reached > 1000 && missed > 500, "{reached} rows reached, {missed} missed");
+}

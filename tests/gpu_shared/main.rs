@@ -4,8 +4,10 @@
 mod common;
 
 mod bsdf;
+mod emit;
 mod emitter;
 mod grid;
+mod intersect;
 mod paths;
 mod rng;
 mod sampling;
