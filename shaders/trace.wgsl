@@ -145,6 +145,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         lane.flux *= event_reflectance(m, event, reflectance) / event_chance(c, event);
         if is_scatter {
+            let kept_flux = lane.flux;
             var d: vec3<f32>;
             if event == EVENT_DIFFUSE {
                 d = basis(shading) * sample_cosine_hemisphere(random.yz);
@@ -157,7 +158,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             }
             lane.direction = normalize(d);
             lane.status |= LANE_MET_DIFFUSE;
-            if dot(lane.direction, geometric) <= 0.0 || max_band(lane.flux) <= 0.0 {
+            let is_alive = dot(lane.direction, geometric) > 0.0 && max_band(lane.flux) > 0.0;
+            // what the sampled direction does not carry on is absorbed: the balance stays exact in expectation
+            tally.absorbed += kept_flux - select(Bands(0.0), lane.flux, is_alive);
+            if !is_alive {
                 lane.status = 0u;
                 continue;
             }

@@ -143,3 +143,17 @@ pub const PATTERN: u32 = 0xdead_beef;
 pub fn path_filter(paths: &crate::paths::LightPaths) -> crate::layout::PathFilter {
     super::path_filter(paths)
 }
+
+impl Harness<'_> {
+    /// Scatter area points on a scene's diffuse surfaces for discs of this radius; fills the buffers area_points and
+    /// area_starts and says in `info` how they are cut.
+    pub fn area_points(&mut self, scene: &PackedScene, radius: f64, info: &mut MapInfo) {
+        let grid = super::area::build(scene, radius, 0);
+        self.storage("area_points", &grid.points);
+        self.storage("area_starts", &grid.starts);
+        info.area_each = grid.each;
+        info.area_cells_per_unit = grid.cells_per_unit;
+        info.area_row_mask = grid.row_mask;
+        info.area_columns = grid.columns;
+    }
+}
