@@ -185,3 +185,17 @@ pub fn path_filter(expression: &str) -> PathFilter {
         &joton::paths::LightPaths::parse(expression).unwrap_or_else(|e| panic!("{e}")),
     )
 }
+
+/// A normal as jotons keep it: signed 8 bits a component.
+pub fn normal24(n: glam::Vec3) -> u32 {
+    let [x, y, z] = n.to_array().map(|c| u32::from((c * 127.0).round() as i8 as u8));
+    x | y << 8 | z << 16
+}
+
+/// The frame of shared/sampling.wgsl (Duff et al. 2017): x and y of z = n.
+pub fn frame(n: glam::Vec3) -> [glam::Vec3; 2] {
+    let s = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (s + n.z);
+    let b = n.x * n.y * a;
+    [glam::Vec3::new(1.0 + s * n.x * n.x * a, s * b, -s * n.x), glam::Vec3::new(b, s + n.y * n.y * a, -n.y)]
+}

@@ -3,8 +3,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod boundary;
+mod caustic;
 mod direct;
-
+mod gather;
 mod map;
 mod radix;
 mod scan;
