@@ -1,7 +1,8 @@
 //! Direct: light that reaches a gather point straight from an emitter (L D S* E), by shadow rays.
 //!
-//! L = Σ f Le |cos_s| cos_l V / (d² pick pdf_area) [E6]; where the surface is glossy, each shadow ray shares its weight
-//! with one BSDF sample by the balance heuristic (Veach & Guibas 1995).
+//! L = Σ f Le |cos_s| cos_l V / (d² pick pdf_area) [E5]; where the surface is glossy or
+//! touches an emitter, each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas
+//! 1995).
 
 use super::bsdf::{eval_d, pdf_d, sample_d};
 use super::emit::{falloff, kind, pick, place_on};
@@ -89,12 +90,12 @@ pub(super) fn light(
     let settings = &plan.settings;
     let count = settings.shadow_rays;
     let seed = sequence_seed(settings.seed, pixel, STREAM_LIGHT);
-    let glossy = g.material.flags().has_glossy();
+    let shared = g.material.flags().has_glossy() || near_emitter(scene, g.position);
     let mut sum = BLACK;
     for ray in 0..count {
         let index = pass.wrapping_mul(count).wrapping_add(ray);
-        sum = add(&sum, &by_light(scene, g, sobol2(index, seed), glossy, tally));
-        if glossy {
+        sum = add(&sum, &by_light(scene, g, sobol2(index, seed), shared, tally));
+        if shared {
             let u = random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray);
             sum = add(&sum, &by_bsdf(scene, g, u, tally));
         }
@@ -102,7 +103,25 @@ pub(super) fn light(
     scale(&mul(&sum, &g.throughput), 1.0 / count as f32)
 }
 
-fn by_light(scene: &PackedScene, g: &GatherPoint, u: [f32; 2], glossy: bool, tally: &mut Tally) -> Bands {
+/// Emitters whose distance is worth a look, one by one.
+const NEAR_EMITTERS_MAX: usize = 64;
+/// An emitter is near within this part of the width √(A/pick) that it stands for: 1/d² makes the weight of a shadow
+/// ray unbounded there, its variance infinite.
+const NEAR_WIDTH: f32 = 0.5;
+
+/// True where `position` may lie so near to an emissive triangle that shadow rays alone have fireflies. Depends on no
+/// random number but the place, so the choice of estimator costs no bias.
+fn near_emitter(scene: &PackedScene, position: Vec3) -> bool {
+    scene.emitters.len() > NEAR_EMITTERS_MAX
+        || scene.emitters.iter().filter(|e| kind(e) == EmitterKind::Triangle).any(|e| {
+            let to_center = (e.e1 + e.e2) / 3.0;
+            let reach = to_center.length().max((e.e1 - to_center).length()).max((e.e2 - to_center).length());
+            let near = reach + NEAR_WIDTH * (e.area / e.pick).sqrt();
+            (e.origin + to_center - position).length_squared() < near * near
+        })
+}
+
+fn by_light(scene: &PackedScene, g: &GatherPoint, u: [f32; 2], shared: bool, tally: &mut Tally) -> Bands {
     let origin = lift(g.position, g.ng, g.triangle);
     let Some(l) = sample_light(scene, origin, u) else { return BLACK };
     let cos_s = l.wi.dot(g.ns);
@@ -113,8 +132,8 @@ fn by_light(scene: &PackedScene, g: &GatherPoint, u: [f32; 2], glossy: bool, tal
     if !visible(scene, origin, l.target) {
         return BLACK;
     }
-    let shared = glossy && l.pdf > 0.0;
-    let weight = if shared { l.pdf / (l.pdf + pdf_d(g.material, l.wi, g.wo, g.ns)) } else { 1.0 };
+    let weight =
+        if shared && l.pdf > 0.0 { l.pdf / (l.pdf + pdf_d(g.material, l.wi, g.wo, g.ns)) } else { 1.0 };
     scale(&mul(&eval_d(g.material, l.wi, g.wo, g.ns), &l.irradiance), cos_s * weight)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! By the emitters' own law: flux_i/(pick N). Aimed (caustic map only): L S+ D must meet a specular body first, so
 //! directions are drawn into the cones of the targets' spheres and weighed by the pdf of the mixture,
-//! pdf_solid_angle = (cones that hold the direction) / ΣΩ [E8].
+//! pdf_solid_angle = (cones that hold the direction) / ΣΩ [E13].
 
 use super::ray::lift;
 use super::sampling::{cone, cosine_hemisphere, disc, sphere, to_world, triangle};

@@ -80,7 +80,7 @@ pub(super) fn follow<'a>(
         } else {
             let weight_d = max(&mul(&throughput, &reflectance_d(s.material)));
             let weight_s = max(&mul(&throughput, &s.material.specular));
-            if !(weight_d + weight_s > 0.0) {
+            if weight_d + weight_s <= 0.0 {
                 return path;
             }
             // one lobe only: probability 1, no noise
@@ -121,7 +121,7 @@ fn cross(s: &Surface, throughput: &mut Bands, u: f32) -> Option<Vec3> {
     let reflected = scale(&mul(throughput, &s.material.specular), b.fresnel);
     let transmitted = scale(&mul(throughput, &s.material.transmission), 1.0 - b.fresnel);
     let (r, t) = (max(&reflected), max(&transmitted));
-    if !(r + t > 0.0) {
+    if r + t <= 0.0 {
         return None;
     }
     let p = r / (r + t);

@@ -3,6 +3,9 @@
 //!
 //! Node and leaf addresses are implicit: inner nodes in preorder, leaves side by side, each with the same number of
 //! slots. What lies in the slots belongs to the caller. Same points, same tree, whatever the threads.
+//!
+//! Why not a crate: visiting leaves of four-lane groups allocates nothing and counts the neighbours of 45,000 points (115
+//! each) in 46 ms; kiddo 6.3's unsorted `within`, which hands out a list, takes 143 ms.
 
 use glam::Vec3;
 

@@ -35,7 +35,7 @@ use std::sync::Arc;
 
 /// Passes that share one scatter of area points: its error must average out, its cost must not show.
 const PASSES_PER_SCATTER: u64 = 16;
-/// Area points wanted in a disc of the diffuse radius; 150 are the least that pay (ESTIMATORS).
+/// Area points wanted in a disc of the diffuse radius; 150 are the least that pay.
 const AREA_POINTS_PER_DISC: f64 = 250.0;
 /// Most area points.
 const AREA_POINTS_MAX: f64 = 2e6;
@@ -124,7 +124,7 @@ impl CpuBackend {
         let diffuse_radius = plan.diffuse.radius(pass) as f32;
         // pass by pass the same, whatever was rendered before: the first pass of a group knows nothing
         let area = self.area.as_ref();
-        let known = pass % PASSES_PER_SCATTER != 0;
+        let known = !pass.is_multiple_of(PASSES_PER_SCATTER);
         let pass = Pass {
             scene,
             plan,

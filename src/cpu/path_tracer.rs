@@ -163,7 +163,7 @@ impl<'a> Path<'a> {
             } else {
                 let d = max(&mul(&throughput, &reflectance_d(s.material)));
                 let m = max(&mul(&throughput, &s.material.specular));
-                if !(d + m > 0.0) {
+                if d + m <= 0.0 {
                     return;
                 }
                 let p_d = d / (d + m);

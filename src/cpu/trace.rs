@@ -126,7 +126,7 @@ impl Tracer<'_> {
         let mut state = LightPaths::START;
         let (mut specular, mut diffuse) = (0u32, 0u32);
         for event in 0..EVENTS_MAX {
-            if !(max(&flux) > 0.0) {
+            if max(&flux) <= 0.0 {
                 return;
             }
             self.tally.rays += 1;
@@ -197,7 +197,7 @@ impl Tracer<'_> {
         self.tally.truncated += 1;
     }
 
-    /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E9].
+    /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E11].
     fn scatter(&self, s: &Surface, w: glam::Vec3, flux: &Bands) -> Bands {
         let cos_ng = w.dot(s.ng);
         if cos_ng <= 0.0 {

@@ -20,7 +20,7 @@ use crate::backend::{Backend, Batch, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 use crate::film::{LAYERS, Layer};
-use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, PathFilter, status};
+use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, PathFilter, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
 use crate::paths::LightPaths;
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
@@ -35,10 +35,16 @@ const PILOT_PASS: u32 = u32::MAX;
 const JOTONS_PER_LANE_SOFTWARE: u32 = 32;
 /// On a GPU thousands of lanes run together.
 const JOTONS_PER_LANE: u32 = 4;
+/// Lanes that are tried before the first pass.
+const PROBE_LANES: u32 = 512;
 /// Room for lanes that store more than the pilot's fullest one.
 const CAPACITY_SLACK: f64 = 1.5;
 /// The area points are scattered anew after this many passes, so that their own error averages out.
 const AREA_PASSES: u64 = 16;
+/// Passes of a batch on a GPU, at most: they are summed in f32.
+const BATCH_PASSES: u64 = 16;
+/// Times that a batch is rendered with more room or smaller loops before the device is taken for broken.
+const BATCH_TRIES: u32 = 12;
 /// Dispatches of the trace kernel that are tried before the device is taken for broken.
 const DISPATCHES_MAX: u32 = 1 << 16;
 
@@ -107,6 +113,13 @@ impl GpuBackend {
     /// # Errors
     /// [`Error::Device`] where the device fails, [`Error::Capacity`] where the scene does not fit.
     pub fn new(context: Context, scene: Arc<PackedScene>, plan: Plan) -> Result<Self> {
+        let depth = scene.bvh.depth();
+        if depth > TRAVERSAL_STACK {
+            let what = format!(
+                "the hierarchy over the triangles is {depth} levels deep, {TRAVERSAL_STACK} can be followed"
+            );
+            return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
+        }
         let kernels = Kernels::new(&context, &plan)?;
         let buffers = scene_buffers::upload(&context, &scene, &plan)?;
         let lanes = |emitted: u32| {
@@ -143,6 +156,15 @@ impl GpuBackend {
 
     /// Find out how often the trace kernel must be dispatched and how much a lane stores, by tracing the pilot pass.
     fn shape_lanes(&mut self) -> Result<()> {
+        // a part of the lanes tells as much as all of them
+        let whole = self.shapes;
+        for kind in [Kind::Caustic, Kind::Diffuse] {
+            if let Some(shape) = self.shapes.of_mut(kind) {
+                let part = f64::from(PROBE_LANES.min(shape.lanes)) / f64::from(shape.lanes);
+                shape.lanes = PROBE_LANES.min(shape.lanes);
+                shape.emitted = (f64::from(shape.emitted) * part).ceil() as u32;
+            }
+        }
         loop {
             self.bind()?;
             let mut settled = true;
@@ -169,8 +191,9 @@ impl GpuBackend {
             if settled {
                 // one dispatch more than the pilot needed: other passes take a little longer
                 for kind in [Kind::Caustic, Kind::Diffuse] {
-                    if let Some(shape) = self.shapes.of_mut(kind) {
+                    if let (Some(shape), Some(whole)) = (self.shapes.of_mut(kind), whole.of(kind)) {
                         shape.dispatches += 1 + shape.dispatches / 2;
+                        (shape.lanes, shape.emitted) = (whole.lanes, whole.emitted);
                     }
                 }
                 return self.bind();
@@ -479,8 +502,23 @@ impl Backend for GpuBackend {
         format!("{} ({kind}, {:?}, {} {})", i.name, i.backend, i.driver, i.driver_info)
     }
 
+    fn batch_passes(&self, first: u64) -> u32 {
+        // software devices take long for a pass and nothing for reading it back; on a GPU it is the other way round
+        if self.context.is_software() {
+            1
+        } else {
+            (first.next_power_of_two() / 2).clamp(1, BATCH_PASSES) as u32
+        }
+    }
+
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+        let mut tries = 0;
         let (films, words, tallies) = loop {
+            tries += 1;
+            if tries > BATCH_TRIES {
+                let what = format!("{}: passes {first} and on do not come out whole", self.context.info.name);
+                return Err(Error::device(what, "use --device cpu and report this as a bug of joton"));
+            }
             self.clear_films();
             for pass in first..first + u64::from(count) {
                 self.submit_pass(pass)?;

@@ -1,9 +1,10 @@
 //! Area points: an even sample of the diffuse surfaces, each point standing for the same area. Discs that lose a part of
 //! themselves at edges and corners are measured with them.
 
-use super::PackedScene;
+use super::{EmitterKind, PackedScene};
 use crate::rng;
 use glam::Vec3;
+use std::f32::consts::TAU;
 
 /// A point on a diffuse surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +27,7 @@ const COVER_DISTANCE: f32 = 0.01;
 pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>, f32) {
     let each = scene.diffuse_area / count.max(1) as f64;
     let mut points = Vec::with_capacity(count + 1);
+    let solids = has_closed_solids(scene);
     let covered = |position: Vec3, normal: Vec3, triangle: usize| {
         let from = position + normal * COVER_DISTANCE;
         let hit = scene.bvh.closest(&scene.triangles, from, -normal, 2.0 * COVER_DISTANCE);
@@ -50,7 +52,10 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
                 let y = (f64::from(shift[1]) + i * R2[1]).fract() as f32;
                 let [u, v] = square_to_triangle([x, y]);
                 let position = t.v0 + t.e1 * u + t.e2 * v;
-                if !covered(position, normal, index) {
+                let number = points.len() as u32;
+                let hidden = covered(position, normal, index)
+                    || (solids && is_buried(scene, position, normal, number));
+                if !hidden {
                     points.push(AreaPoint { position, normal });
                 }
                 next += each;
@@ -60,6 +65,65 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
         before = end;
     }
     (points, each as f32)
+}
+
+/// Rays that must all meet the inside of something for a point to be buried in it.
+const BURIED_RAYS: u32 = 6;
+/// Rays from the lights that tell whether fronts and backs can be trusted, and how many may meet a back.
+const TRUST_RAYS: u32 = 512;
+const TRUST_SHARE: f32 = 0.02;
+/// Rays leave a surface this far above it; surfaces nearer than that are taken for the same.
+const LIFT: f32 = 0.02;
+
+/// True where light meets hardly any back of an opaque surface: then a back means the inside of a closed body.
+fn has_closed_solids(scene: &PackedScene) -> bool {
+    let backs = (0..TRUST_RAYS)
+        .filter(|&i| {
+            let u = rng::random4(TRUST_RAYS, 1, i, 0);
+            let v = rng::random4(TRUST_RAYS, 1, i, 1);
+            let picked = scene.emitters.iter().find(|e| u[0] < e.cumulative).or(scene.emitters.last());
+            let Some(e) = picked else { return false };
+            let (origin, direction) = if e.kind == EmitterKind::Triangle as u32 {
+                let [b, c] = square_to_triangle([u[1], u[2]]);
+                let normal = e.e1.cross(e.e2).normalize_or_zero();
+                (e.origin + e.e1 * b + e.e2 * c + normal * LIFT, cosine_direction(normal, v[0], v[1]))
+            } else if e.kind == EmitterKind::Sun as u32 {
+                let (x, y) = e.e1.any_orthonormal_pair();
+                let (r, phi) = (u[1].sqrt() * e.e2.x, TAU * u[2]);
+                (e.origin + (x * phi.cos() + y * phi.sin()) * r, e.e1)
+            } else {
+                let z = 1.0 - 2.0 * v[0];
+                let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * v[1]);
+                (e.origin, Vec3::new(r * phi.cos(), r * phi.sin(), z))
+            };
+            meets_back(scene, origin, direction)
+        })
+        .count();
+    (backs as f32) < TRUST_SHARE * TRUST_RAYS as f32
+}
+
+/// True for a point whose front lies inside a closed body: the floor under a box that stands on it. No light gets there,
+/// and a disc beside the box must not count it.
+fn is_buried(scene: &PackedScene, position: Vec3, normal: Vec3, number: u32) -> bool {
+    (0..BURIED_RAYS).all(|i| {
+        let u = rng::random4(BURIED_RAYS, 2, number, i);
+        meets_back(scene, position + normal * LIFT, cosine_direction(normal, u[0], u[1]))
+    })
+}
+
+/// True where a ray first meets the back of an opaque triangle.
+fn meets_back(scene: &PackedScene, origin: Vec3, direction: Vec3) -> bool {
+    scene.bvh.closest(&scene.triangles, origin, direction, f32::INFINITY).is_some_and(|h| {
+        let t = &scene.triangles[h.triangle as usize];
+        !scene.materials[t.material as usize].flags().is_dielectric() && direction.dot(t.normal()) > 0.0
+    })
+}
+
+/// A direction about a normal, with probability proportional to the cosine.
+fn cosine_direction(normal: Vec3, u: f32, v: f32) -> Vec3 {
+    let (x, y) = normal.any_orthonormal_pair();
+    let (r, phi) = (u.sqrt(), TAU * v);
+    (x * phi.cos() + y * phi.sin()) * r + normal * (1.0 - u).max(0.0).sqrt()
 }
 
 /// The map of least distortion from the square to barycentric coordinates; keeps areas (Heitz 2019).

@@ -4,7 +4,7 @@
 //! just fits. A coarse grid of rays tells what each would see: the share of rays that meet a surface on which
 //! light falls. A room whose wall stands in the way shows the wall's dark outside; the first candidate that sees
 //! nearly as much as the best is taken. Where none sees any light, the room is closed and the camera goes inside.
-//! Objects without a ceiling are seen from slightly above.
+//! Objects without a ceiling are seen from slightly above, and near: a backdrop of few triangles need not be whole.
 
 use super::load::emits;
 use super::obj::geometric_normal;
@@ -31,6 +31,12 @@ const ELEVATION: f64 = 0.3;
 const INSIDE_FOV: f64 = 75.0;
 /// Where the eye stands in a closed room, as a share of the way from the middle to the wall.
 const INSIDE_SHARE: f64 = 0.9;
+/// The subject is what is left without this part of the triangles at either end of each axis …
+const SUBJECT_TAIL: f64 = 0.02;
+/// … where that is smaller than this part of the whole …
+const SUBJECT_SHARE: f64 = 0.3;
+/// … with this part of its size as space around it.
+const SUBJECT_SPACE: f64 = 0.1;
 /// From where to look, best first.
 const SIDES: [DVec3; 4] = [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::NEG_X];
 
@@ -41,7 +47,9 @@ pub(crate) fn frame(mesh: &Mesh, materials: &[Material], lights: &[Light], size:
     let probe = Probe::new(mesh, materials, lights);
     let elevation = if probe.has_ceiling(low, high) { 0.0 } else { ELEVATION };
     let fov = field_of_view(DEFAULT_FOV_X, size);
-    let outside = SIDES.map(|side| look_from_outside(low, high, side + DVec3::Y * elevation, fov));
+    let (near_low, near_high) =
+        if elevation > 0.0 { subject(mesh).unwrap_or((low, high)) } else { (low, high) };
+    let outside = SIDES.map(|side| look_from_outside(near_low, near_high, side + DVec3::Y * elevation, fov));
     let best = first_good(&probe, &outside);
     if let Some(camera) = best {
         return camera;
@@ -55,6 +63,23 @@ pub(crate) fn frame(mesh: &Mesh, materials: &[Material], lights: &[Light], size:
     });
     let flat = inside.iter().any(|c| (c.target - c.position).length() < 1e-6 * (high - low).length());
     if flat { outside[0] } else { first_good(&probe, &inside).unwrap_or(outside[0]) }
+}
+
+/// The box that holds most triangles, with some space around, where it is much smaller than the whole: an object on a
+/// backdrop is what the picture is of.
+fn subject(mesh: &Mesh) -> Option<(DVec3, DVec3)> {
+    let corners = |axis: usize| {
+        let mut values: Vec<f64> =
+            mesh.triangles.iter().map(|t| mesh.positions[t.vertex[0] as usize][axis]).collect();
+        values.sort_by(f64::total_cmp);
+        let at = |share: f64| values[((values.len() - 1) as f64 * share) as usize];
+        [at(0.0), at(SUBJECT_TAIL), at(1.0 - SUBJECT_TAIL), at(1.0)]
+    };
+    let axes = [0, 1, 2].map(corners);
+    let [whole_low, low, high, whole_high] = [0, 1, 2, 3].map(|i| DVec3::from_array(axes.map(|a| a[i])));
+    let (size, whole) = ((high - low).max_element(), (whole_high - whole_low).max_element());
+    let space = DVec3::splat(SUBJECT_SPACE * size);
+    (size > 0.0 && size < SUBJECT_SHARE * whole).then(|| (low - space, high + space))
 }
 
 /// The first camera that sees nearly as much as the best, if any sees something.

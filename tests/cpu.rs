@@ -1,0 +1,232 @@
+//! Claims about the CPU backend and the path tracer, on whole images.
+
+use joton::backend::{Backend, Batch};
+use joton::cpu::{CpuBackend, PathTracer};
+use joton::film::{LAYERS, Layer};
+use joton::pack::PackedScene;
+use joton::paths::LightPaths;
+use joton::plan::{Plan, Settings};
+use joton::scene::{self, Light, Material, Scene};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A scene of the repository at `size` × `size` pixels.
+fn load(name: &str, size: u32) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    let mut scene = scene::load(&path).expect("a scene of the repository loads");
+    scene.size = [size, size];
+    scene
+}
+
+fn plan(scene: &Scene, paths: &str) -> (Arc<PackedScene>, Plan) {
+    let packed = Arc::new(PackedScene::new(scene));
+    let paths = LightPaths::parse(paths).expect("a valid expression");
+    let plan = Plan::new(&packed, Settings { paths, ..Settings::default() });
+    (packed, plan)
+}
+
+fn maps(scene: &Scene, paths: &str, passes: u32) -> Batch {
+    let (packed, plan) = plan(scene, paths);
+    CpuBackend::new(packed, plan).render(0, passes).expect("renders")
+}
+
+fn path_traced(scene: &Scene, paths: &str, passes: u32) -> Batch {
+    let (packed, plan) = plan(scene, paths);
+    PathTracer::new(packed, plan).render(0, passes).expect("renders")
+}
+
+const EVERYTHING: &str = "L.*E";
+
+/// Mean of one band over the pixels of a layer, per pass.
+fn mean(batch: &Batch, layer: Layer, band: usize, passes: u32) -> f64 {
+    let pixels = &batch.layers[layer as usize];
+    pixels.iter().map(|p| f64::from(p[band])).sum::<f64>() / pixels.len() as f64 / f64::from(passes)
+}
+
+fn whole(batch: &Batch, pixel: usize, band: usize) -> f64 {
+    (0..LAYERS).map(|l| f64::from(batch.layers[l][pixel][band])).sum()
+}
+
+/// Mean of all layers over each block of an n × n grid of the image, per pass; band 0.
+fn blocks(batch: &Batch, size: u32, n: u32, passes: u32) -> Vec<f64> {
+    let mut sums = vec![0.0; (n * n) as usize];
+    for pixel in 0..size * size {
+        let (x, y) = (pixel % size * n / size, pixel / size * n / size);
+        sums[(y * n + x) as usize] += whole(batch, pixel as usize, 0);
+    }
+    let per_block = f64::from(size / n).powi(2) * f64::from(passes);
+    sums.iter().map(|s| s / per_block).collect()
+}
+
+/// A closed box with albedo 0.5 and emission 0.5 has radiance 1 everywhere: ½ emitted, ¼ direct, ¼ from later bounces.
+#[test]
+fn furnace_radiance_is_one() {
+    let scene = load("furnace.toml", 64);
+    let passes = 24;
+    for (name, batch) in
+        [("maps", maps(&scene, EVERYTHING, passes)), ("path tracer", path_traced(&scene, EVERYTHING, passes))]
+    {
+        for (layer, want, tolerance) in
+            [(Layer::Emission, 0.5, 1e-6), (Layer::Direct, 0.25, 0.01), (Layer::Diffuse, 0.25, 0.01)]
+        {
+            let got = mean(&batch, layer, 0, passes);
+            assert!((got / want - 1.0).abs() < tolerance, "{name}, {}: {got}", layer.name());
+        }
+        assert_eq!(batch.tally.non_finite, 0);
+    }
+    // no dark edges, no bright corners: every block of the maps' image
+    for (i, block) in blocks(&maps(&scene, EVERYTHING, passes), 64, 8, passes).iter().enumerate() {
+        assert!((block - 1.0).abs() < 0.05, "block {i}: {block}");
+    }
+}
+
+/// What was emitted is absorbed or escapes, in every band, in scenes with glass, mirrors and shading normals.
+#[test]
+fn energy_is_kept() {
+    for name in ["cornell.toml", "spheres.toml", "pool.toml", "ring.toml"] {
+        let tally = maps(&load(name, 32), EVERYTHING, 8).tally;
+        for b in 0..3 {
+            let share = (tally.absorbed[b] + tally.escaped[b]) / tally.emitted[b];
+            // the roulette's spread is about 0.7/√jotons: 0.2 % of 131,072
+            assert!((share - 1.0).abs() < 0.01, "{name}, band {b}: {share}");
+        }
+        assert_eq!((tally.non_finite, tally.truncated), (0, 0), "{name}");
+    }
+}
+
+/// The maps and the path tracer agree block by block where the path tracer finds all light.
+#[test]
+fn maps_agree_with_the_path_tracer() {
+    let (scene, size, passes, spp) = (load("cornell.toml", 64), 64, 32, 256);
+    let a = blocks(&maps(&scene, EVERYTHING, passes), size, 4, passes);
+    let b = blocks(&path_traced(&scene, EVERYTHING, spp), size, 4, spp);
+    for (i, (a, b)) in a.iter().zip(&b).enumerate() {
+        // noise over a block is below 1 %; the maps' bias is 4.5 % in the dark corner behind the block, at the radius
+        // that suits 64 pixels
+        assert!((a / b - 1.0).abs() < 0.06, "block {i}: maps {a}, path tracer {b}");
+    }
+}
+
+/// Aimed caustics carry as much light as a path tracer finds by chance: a large light makes that possible.
+#[test]
+fn caustic_layer_agrees_with_the_path_tracer() {
+    let mut scene = load("spheres.toml", 48);
+    // a glowing ceiling instead of the small light
+    let light = scene.materials.iter().find(|m| m.emission[0] > 0.0).expect("a light").clone();
+    for m in &mut scene.materials {
+        let white = m.diffuse[0] > 0.0 && m.diffuse[0] == m.diffuse[1];
+        // and no small one: what a path tracer finds by chance must not be rare
+        m.emission = if white { light.emission.map(|e| e * 0.01) } else { [0.0; 3] };
+    }
+    let (passes, spp) = (16, 384);
+    let (a, b) = (maps(&scene, EVERYTHING, passes), path_traced(&scene, EVERYTHING, spp));
+    for (layer, tolerance) in
+        [(Layer::Emission, 0.02), (Layer::Direct, 0.02), (Layer::Caustic, 0.04), (Layer::Diffuse, 0.02)]
+    {
+        let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
+        assert!((a / b - 1.0).abs() < tolerance, "{}: maps {a}, path tracer {b}", layer.name());
+    }
+}
+
+/// A glossy floor: shadow rays with MIS, glossy gathers and glossy bounces are the path tracer's.
+#[test]
+fn glossy_surfaces_agree_with_the_path_tracer() {
+    let mut scene = load("cornell.toml", 48);
+    for m in &mut scene.materials {
+        if m.diffuse[0] > 0.0 {
+            *m = Material {
+                diffuse: m.diffuse.map(|d| d * 0.4),
+                glossy: m.diffuse.map(|d| d * 0.5),
+                glossy_exponent: 20.0,
+                ..m.clone()
+            };
+        }
+    }
+    let (passes, spp) = (32, 256);
+    let (a, b) = (maps(&scene, EVERYTHING, passes), path_traced(&scene, EVERYTHING, spp));
+    for (layer, tolerance) in [(Layer::Direct, 0.01), (Layer::Diffuse, 0.03)] {
+        let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
+        assert!((a / b - 1.0).abs() < tolerance, "{}: maps {a}, path tracer {b}", layer.name());
+    }
+}
+
+/// Point, spot and sun: what jotons carry is what shadow rays see, so both renderers agree in the diffuse layer.
+#[test]
+fn lights_without_surface_agree_with_the_path_tracer() {
+    let lights = [
+        Light::Point { position: glam::DVec3::new(0.2, 0.4, 0.2), intensity: [1.0; 3] },
+        Light::Spot {
+            position: glam::DVec3::new(0.3, 0.5, 0.2),
+            direction: glam::DVec3::new(0.1, -1.0, 0.2).normalize(),
+            intensity: [1.0; 3],
+            cos_inner: 0.9,
+            cos_outer: 0.6,
+        },
+        Light::Sun { direction: glam::DVec3::new(0.2, -0.3, 1.0).normalize(), irradiance: [2.0; 3] },
+    ];
+    for light in lights {
+        let mut scene = load("cornell.toml", 48);
+        scene.lights = vec![light];
+        scene.materials.iter_mut().for_each(|m| m.emission = [0.0; 3]);
+        let (passes, spp) = (24, 96);
+        let (a, b) = (maps(&scene, EVERYTHING, passes), path_traced(&scene, EVERYTHING, spp));
+        for (layer, tolerance) in [(Layer::Direct, 0.01), (Layer::Diffuse, 0.03)] {
+            let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
+            assert!((a / b - 1.0).abs() < tolerance, "{light:?} {}: maps {a}, path tracer {b}", layer.name());
+        }
+    }
+}
+
+/// Path sets that share no path and together are all paths give images that add up to the whole image, pixel by pixel.
+#[test]
+fn path_filters_partition_the_image() {
+    type Renderer = fn(&Scene, &str, u32) -> Batch;
+    let scene = load("spheres.toml", 32);
+    let by_layer = ["LS*E", "LDS*E", "LS+DS*E", "L.*D.*DS*E"];
+    let by_first = ["LE", "LD.*E", "LS.*E"];
+    for (name, render) in [("maps", maps as Renderer), ("path tracer", path_traced as Renderer)] {
+        let all = render(&scene, EVERYTHING, 2);
+        for parts in [&by_layer[..], &by_first[..]] {
+            let images: Vec<Batch> = parts.iter().map(|paths| render(&scene, paths, 2)).collect();
+            for pixel in 0..32 * 32 {
+                for b in 0..3 {
+                    let sum: f64 = images.iter().map(|image| whole(image, pixel, b)).sum();
+                    let want = whole(&all, pixel, b);
+                    // the same numbers in another order
+                    assert!((sum - want).abs() < 1e-4 * want.max(0.1), "{name} {parts:?}: {sum} {want}");
+                }
+            }
+        }
+        // and each part lies in the layer of its name alone
+        for (i, paths) in by_layer.iter().enumerate() {
+            let image = render(&scene, paths, 1);
+            for (l, layer) in image.layers.iter().enumerate() {
+                let lit = layer.iter().any(|p| p[0] != 0.0);
+                assert_eq!(lit, l == i, "{name}, {paths}, layer {l}");
+            }
+        }
+    }
+}
+
+/// The same image, bit for bit, on one thread and on five; the same up to rounding however the passes are split.
+#[test]
+fn threads_and_splits_do_not_change_the_image() {
+    let scene = load("spheres.toml", 40);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| (maps(&scene, EVERYTHING, 3), path_traced(&scene, EVERYTHING, 3)))
+    };
+    let (one, five) = (on(1), on(5));
+    assert_eq!(one.0.layers, five.0.layers);
+    assert_eq!(one.0.tally, five.0.tally);
+    assert_eq!(one.1.layers, five.1.layers);
+
+    let (packed, plan) = plan(&scene, EVERYTHING);
+    let mut backward = CpuBackend::new(packed, plan);
+    let parts = [2, 1, 0].map(|pass| backward.render(pass, 1).expect("renders"));
+    for pixel in 0..40 * 40 {
+        let sum: f64 = parts.iter().map(|p| whole(p, pixel, 0)).sum();
+        let want = whole(&one.0, pixel, 0);
+        assert!((sum - want).abs() <= 1e-5 * want.max(0.1), "pixel {pixel}: {sum} {want}");
+    }
+}
