@@ -6,6 +6,7 @@ pub mod scenes;
 use joton::gpu::harness::{Harness, PATTERN, Work};
 use joton::gpu::{Context, Kernel, link_source};
 use joton::layout::{MapInfo, PassInfo, PathFilter};
+use std::io::Write;
 use std::sync::OnceLock;
 
 /// Set to 1 to let tests that need a device pass without one.
@@ -31,7 +32,8 @@ pub fn device() -> Option<&'static Context> {
     });
     if found.is_none() {
         let thread = std::thread::current();
-        eprintln!("skipped: {} ({OPT_OUT}=1)", thread.name().unwrap_or("a test"));
+        // past the capture of a test's output: what is left out must be seen
+        writeln!(std::io::stderr(), "skipped: {} ({OPT_OUT}=1)", thread.name().unwrap_or("a test")).ok();
     }
     found.as_ref()
 }

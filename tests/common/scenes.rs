@@ -1,6 +1,6 @@
 //! Small scenes in code.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use joton::scene::{Camera, Light, Material, Mesh, Scene, Triangle};
 
 /// A scene under construction.
@@ -159,9 +159,4 @@ pub fn mirror(reflectance: f32) -> Material {
 /// A matte emitter.
 pub fn emitter(radiance: f32, reflectance: f32) -> Material {
     Material { emission: [radiance; 3], ..Material::matte("emitter", [reflectance; 3]) }
-}
-
-/// A position in f32.
-pub fn p32(p: DVec3) -> Vec3 {
-    p.as_vec3()
 }

@@ -196,6 +196,12 @@ fn closed_rooms_absorb_what_is_emitted() {
 /// See [`closed_rooms_absorb_what_is_emitted`].
 const LOSS: f64 = 0.015;
 
+/// Past the capture of a test's output.
+fn tell(line: &str) {
+    use std::io::Write;
+    writeln!(std::io::stderr(), "{line}").ok();
+}
+
 /// Whether this driver ends long loops: told, not judged. What counts is that joton's own loops stay below.
 #[test]
 fn loops_of_this_driver() {
@@ -222,9 +228,9 @@ fn loops_of_this_driver() {
     };
     let done = run(ROUNDS);
     if done == ROUNDS {
-        eprintln!("{}: loops run to their end ({ROUNDS} rounds)", context.info.name);
+        tell(&format!("{}: loops run to their end ({ROUNDS} rounds)", context.info.name));
     } else {
-        eprintln!("{}: loops are ended after {done} of {ROUNDS} rounds", context.info.name);
+        tell(&format!("{}: loops are ended after {done} of {ROUNDS} rounds", context.info.name));
     }
     // a lane's budget is counted for each invocation; the driver counts the union of up to 16 that run together
     let union = STEP_BUDGET * 16;
