@@ -34,7 +34,7 @@ pub(super) fn write_atomically(
     let (scratch, file) = Scratch::beside(&target).map_err(|e| fail(words(&e)))?;
     let mut buffered = BufWriter::new(file);
     encode(&mut buffered).map_err(fail)?;
-    let file = buffered.into_inner().map_err(|e| fail(words(&e)))?;
+    let file = buffered.into_inner().map_err(|e| fail(words(e.error())))?;
     // On the disc before the name points to it: a crash leaves the old file or the new one, whole.
     file.sync_all().map_err(|e| fail(words(&e)))?;
     drop(file);
