@@ -19,9 +19,12 @@
 // through specular surfaces. The radius only shrinks: what is whole stays whole.
 override PILOT: bool = false;
 
-// A disc is whole where it has this part of its area and its centroid lies this near (in radii).
-const WHOLE_AREA: f32 = 0.95;
-const WHOLE_CENTROID: f32 = 0.05;
+// To the pilot a disc is whole where it has this part of its area and its centroid lies this near (in radii); the rest
+// is noise of the area points. Elsewhere the fit is always solved.
+const WHOLE_AREA: f32 = 0.97;
+const WHOLE_CENTROID: f32 = 0.04;
+// The pilot looks a little further than the largest radius, because pixels are jittered.
+const PILOT_REACH: f32 = 1.15;
 // A fit may raise the variance of a joton's weight by this factor at most; beyond, the area alone is corrected.
 const AMPLIFICATION_MAX: f32 = 20.0;
 
@@ -44,7 +47,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let point = gather_points[pixel];
-    let r = map_info.radius;
+    let r = map_info.radius * select(1.0, PILOT_REACH, PILOT);
     let disc = PI * r * r;
     let direct_view = ((point.surface >> 24u) & 63u) == 0u;
     if direct_view && !PILOT && !edge_near(pixel) {
@@ -100,7 +103,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var c = vec4(1.0 / disc, 0.0, 0.0, 0.0);
     if m.x > 0.0 {
         let center = m.yz / m.x;
-        if area < WHOLE_AREA * disc || dot(center, center) > WHOLE_CENTROID * WHOLE_CENTROID {
+        if !PILOT || area < WHOLE_AREA * disc || dot(center, center) > WHOLE_CENTROID * WHOLE_CENTROID {
             // covariance of the area about its centroid; the weights are (1 − centerᵀ C⁻¹ (x − center)) / area
             let xx = mm.x / m.x - center.x * center.x;
             let xy = mm.y / m.x - center.x * center.y;

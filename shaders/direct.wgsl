@@ -1,5 +1,6 @@
 // Direct: light that reaches a gather point straight from an emitter, by shadow rays (E S* D L).
-// L = f_r Le V G / (pick pdf_area), averaged over the shadow rays [E5]
+// L = f_r Le V G / (pick pdf_area), averaged over the shadow rays [E5]; where the surface is glossy or touches an emitter,
+// each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas 1995).
 // reads  scene, gather_points, path_filter      writes  film_direct, status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
@@ -25,6 +26,8 @@ struct LightSample {
     distance: f32,
     // Irradiance across the beam over the probability of this sample.
     weight: Bands,
+    // pdf_solid_angle with the pick; 0 where no BSDF sample can find the emitter.
+    pdf: f32,
 }
 
 fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
@@ -36,16 +39,62 @@ fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
         let distance2 = dot(d, d);
         let wi = d * inverseSqrt(max(distance2, 1e-30));
         let cos_light = max(0.0, -dot(wi, normalize(cross(e.e1, e.e2))));
-        return LightSample(wi, sqrt(distance2), e.strength * (cos_light * e.area / (max(distance2, 1e-30) * e.pick)));
+        let inverse_pdf = cos_light * e.area / (max(distance2, 1e-30) * e.pick);
+        return LightSample(wi, sqrt(distance2), e.strength * inverse_pdf, 1.0 / max(inverse_pdf, 1e-30));
     }
     if e.kind == EMITTER_SUN {
-        return LightSample(-e.e1, 1e30, e.strength / e.pick);
+        return LightSample(-e.e1, 1e30, e.strength / e.pick, 0.0);
     }
     let d = e.origin - p;
     let distance2 = max(dot(d, d), 1e-30);
     let wi = d * inverseSqrt(distance2);
     let fall = select(1.0, spot_falloff(-dot(wi, e.e1), e.e2.x, e.e2.y), e.kind == EMITTER_SPOT);
-    return LightSample(wi, sqrt(distance2), e.strength * (fall / (distance2 * e.pick)));
+    return LightSample(wi, sqrt(distance2), e.strength * (fall / (distance2 * e.pick)), 0.0);
+}
+
+// Emitters whose distance is worth a look, one by one.
+const NEAR_EMITTERS_MAX: u32 = 64u;
+// An emitter is near within this part of the width √(area / pick) that it stands for: 1/d² makes the weight of a shadow
+// ray unbounded there, and its variance infinite.
+const NEAR_WIDTH: f32 = 0.5;
+
+// True where p may lie so near to an emissive triangle that shadow rays alone have fireflies. It depends on the place
+// only, so the choice of estimator costs no bias.
+fn near_emitter(p: vec3<f32>) -> bool {
+    if pass_info.emitters > NEAR_EMITTERS_MAX {
+        return true;
+    }
+    var near = false;
+    for (var i = 0u; i < pass_info.emitters; i += 1u) {
+        let e1 = emitters[i].e1;
+        let center = (e1 + emitters[i].e2) / 3.0;
+        let d = emitters[i].origin + center - p;
+        let largest = max(length(center), length(e1 - center)) + NEAR_WIDTH * sqrt(emitters[i].area / emitters[i].pick);
+        near = near || (emitters[i].kind == EMITTER_TRIANGLE && dot(d, d) < largest * largest);
+    }
+    return near;
+}
+
+// Light that a direction of the D lobes finds, with its share of the weight.
+fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> Bands {
+    let wi = sample_brdf(m, n, wo, u);
+    let cos_receiver = dot(wi, n);
+    if cos_receiver <= 0.0 || dot(wi, geometric) <= 0.0 {
+        return Bands(0.0);
+    }
+    let hit = traverse(origin, wi, 1e30, false);
+    if hit.triangle == MISS {
+        return Bands(0.0);
+    }
+    let t = triangles[hit.triangle];
+    let front = normalize(cross(t.e1, t.e2));
+    if t.emitter == NO_EMITTER || dot(wi, front) >= 0.0 {
+        return Bands(0.0);
+    }
+    let e = emitters[t.emitter];
+    let pdf_light = e.pick * hit.t * hit.t / (e.area * -dot(wi, front));
+    // f Le cos / pdf · pdf / (pdf + pdf_light)
+    return eval_brdf(m, n, wi, wo) * e.strength * (cos_receiver / (pdf_brdf(m, n, wi, wo) + pdf_light));
 }
 
 @compute @workgroup_size(64)
@@ -66,17 +115,26 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let wo = decode_direction(point.wo);
     let origin = offset_origin(point.position, geometric);
     let seed = sequence_seed(pass_info.seed, pixel, STREAM_LIGHT);
+    let shared_weight = (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || near_emitter(point.position);
     var sum = Bands(0.0);
     var rays = 0u;
     for (var ray = 0u; ray < pass_info.shadow_rays; ray += 1u) {
         let light = sample_light(origin, sobol2(pass_info.pass_index * pass_info.shadow_rays + ray, seed));
         let cos_receiver = dot(light.wi, shading);
-        if cos_receiver <= 0.0 || dot(light.wi, geometric) <= 0.0 || max_band(light.weight) <= 0.0 {
-            continue;
+        if cos_receiver > 0.0 && dot(light.wi, geometric) > 0.0 && max_band(light.weight) > 0.0 {
+            rays += 1u;
+            if traverse(origin, light.wi, light.distance * SHADOW_END, true).triangle == MISS {
+                var weight = cos_receiver;
+                if shared_weight && light.pdf > 0.0 {
+                    weight *= light.pdf / (light.pdf + pdf_brdf(m, shading, light.wi, wo));
+                }
+                sum += eval_brdf(m, shading, light.wi, wo) * light.weight * weight;
+            }
         }
-        rays += 1u;
-        if traverse(origin, light.wi, light.distance * SHADOW_END, true).triangle == MISS {
-            sum += eval_brdf(m, shading, light.wi, wo) * light.weight * cos_receiver;
+        if shared_weight {
+            rays += 1u;
+            let u = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_DIRECT + ray);
+            sum += by_brdf(m, origin, geometric, shading, wo, u.xyz);
         }
     }
     atomicAdd(&status[STATUS_RAYS], rays);

@@ -110,7 +110,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
 
         let reflectance = dielectric_reflectance(m, shading, lane.direction, from_front);
-        let c = chances(m, lane.flux, reflectance);
+        let c = roulette_chances(m, lane.flux, reflectance);
         let events = lane.status / LANE_EVENT;
         let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
         var event = EVENT_ABSORB;
@@ -144,36 +144,46 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             continue;
         }
         lane.flux *= event_reflectance(m, event, reflectance) / event_chance(c, event);
+        // what the sampled direction carries of it: the rest is absorbed, so that the balance is exact in expectation
+        var carried = 1.0;
         if is_scatter {
             var d: vec3<f32>;
             if event == EVENT_DIFFUSE {
-                d = basis(shading) * sample_cosine_hemisphere(random.yz);
-                if HAS_SMOOTH && s.is_smooth {
-                    lane.flux *= min(ADJOINT_MAX, adjoint_in * dot(d, geometric) / max(1e-6, dot(d, shading)));
-                }
+                d = normalize(basis(shading) * sample_cosine_hemisphere(random.yz));
             } else {
                 d = basis(normalize(reflect(lane.direction, shading))) * sample_phong_lobe(random.yz, m.glossy_exponent);
-                lane.flux *= (m.glossy_exponent + 2.0) / (m.glossy_exponent + 1.0) * max(0.0, dot(d, shading));
+                d = normalize(d);
+                carried = (m.glossy_exponent + 2.0) / (m.glossy_exponent + 1.0) * max(0.0, dot(d, shading));
             }
-            lane.direction = normalize(d);
+            if HAS_SMOOTH && s.is_smooth {
+                carried *= min(ADJOINT_MAX, adjoint_in * dot(d, geometric) / max(1e-6, dot(d, shading)));
+            }
+            carried = select(0.0, carried, dot(d, geometric) > 0.0);
+            lane.direction = d;
             lane.status |= LANE_MET_DIFFUSE;
-            if dot(lane.direction, geometric) <= 0.0 || max_band(lane.flux) <= 0.0 {
-                lane.status = 0u;
-                continue;
-            }
         } else {
             let next = specular_scatter(m, event, lane.direction, geometric, shading, from_front, random.yz);
+            carried = select(0.0, 1.0, next.alive);
+            if HAS_SMOOTH && s.is_smooth {
+                let out = abs(dot(next.direction, geometric)) / max(1e-6, abs(dot(next.direction, shading)));
+                carried *= min(ADJOINT_MAX, adjoint_in * out);
+            }
             lane.direction = next.direction;
             lane.status |= LANE_MET_SPECULAR;
-            if !next.alive {
-                tally.absorbed += lane.flux;
-                lane.status = 0u;
-                continue;
-            }
+        }
+        tally.absorbed += lane.flux * (1.0 - carried);
+        lane.flux *= carried;
+        if max_band(lane.flux) <= 0.0 {
+            lane.status = 0u;
+            continue;
         }
         if HAS_PATH_FILTER {
             lane.status = (lane.status & ~31u)
                 | path_step(lane.status & 31u, select(EVENT_S, EVENT_D, is_scatter));
+            if CAUSTIC && (lane.status & 31u) == PATH_DEAD {
+                lane.status = 0u;
+                continue;
+            }
         }
         lane.origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(lane.direction, s.front) >= 0.0));
         lane.status += LANE_EVENT;

@@ -281,6 +281,7 @@ pub fn constants() -> String {
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);
     u("ROW_FACTOR_Z", ROW_FACTORS[1]);
     u("PATH_START", crate::paths::LightPaths::START);
+    u("PATH_DEAD", crate::paths::DEAD);
     writeln!(s, "const GATHER_NORMAL_COS: f32 = {GATHER_NORMAL_COS:?};").expect("writing to a string");
     writeln!(s, "const GATHER_PLANE_SHARE: f32 = {GATHER_PLANE_SHARE:?};").expect("writing to a string");
     writeln!(s, "const GATHER_SHEET_SHARE: f32 = {GATHER_SHEET_SHARE:?};").expect("writing to a string");

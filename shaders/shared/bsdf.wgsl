@@ -71,3 +71,39 @@ fn chances(m: PackedMaterial, carried: Bands, reflectance: f32) -> Chances {
     }
     return c;
 }
+
+// The same for Russian roulette: where the bands' maxima add up to more than one, scaled down to one [E3].
+fn roulette_chances(m: PackedMaterial, carried: Bands, reflectance: f32) -> Chances {
+    let c = chances(m, carried, reflectance);
+    let scale = 1.0 / max(1.0, c.diffuse + c.glossy + c.mirror + c.reflect + c.transmit);
+    return Chances(c.diffuse * scale, c.glossy * scale, c.mirror * scale, c.reflect * scale, c.transmit * scale);
+}
+
+// Probability that a sample of the D lobes takes the Lambert lobe.
+fn matte_share(m: PackedMaterial) -> f32 {
+    let glossy = max_band(m.glossy);
+    if !HAS_GLOSSY || glossy <= 0.0 {
+        return 1.0;
+    }
+    let diffuse = max_band(m.diffuse);
+    return diffuse / (diffuse + glossy);
+}
+
+// pdf_solid_angle of sample_brdf.
+fn pdf_brdf(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    let matte = matte_share(m);
+    var pdf = matte * max(0.0, dot(wi, n)) / PI;
+    if matte < 1.0 {
+        let c = max(0.0, dot(reflect(-wi, n), wo));
+        pdf += (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * pow(c, m.glossy_exponent);
+    }
+    return pdf;
+}
+
+// A direction from the D lobes; it may lie below the surface.
+fn sample_brdf(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> vec3<f32> {
+    if u.z < matte_share(m) {
+        return normalize(basis(n) * sample_cosine_hemisphere(u.xy));
+    }
+    return normalize(basis(normalize(reflect(-wo, n))) * sample_phong_lobe(u.xy, m.glossy_exponent));
+}
