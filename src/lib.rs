@@ -4,6 +4,7 @@
 
 pub mod backend;
 pub mod bands;
+pub mod bench;
 pub mod bvh;
 pub mod cpu;
 pub mod error;

@@ -89,8 +89,6 @@ pub struct Circumstances {
     pub device: String,
     /// Seconds before the first pass.
     pub setup_seconds: f64,
-    /// Processor seconds while rendering.
-    pub cpu_seconds: f64,
     /// What each kernel took.
     pub kernels: Vec<KernelTime>,
     /// What was repaired or ignored in the scene.
@@ -114,7 +112,7 @@ impl Report {
             passes: rendered.passes,
             seconds: rendered.seconds,
             setup_seconds: around.setup_seconds,
-            cpu_seconds: around.cpu_seconds,
+            cpu_seconds: rendered.cpu_seconds,
             stopped_by: rendered.reason,
             rays: t.rays,
             jotons_emitted: t.jotons_emitted,

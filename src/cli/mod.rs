@@ -1,5 +1,6 @@
 //! The command line: arguments, one file for each command.
 
+mod bench;
 mod compare;
 mod device;
 mod devices;
@@ -25,6 +26,8 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Compare an image with a reference.
     Compare(compare::CompareArguments),
+    /// Error over time on each device: CSV and plot.
+    Bench(bench::BenchArguments),
     /// List the devices, and which one is chosen.
     Devices,
 }
@@ -42,6 +45,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Command::Render(a) => render::run(&a),
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),
+        Command::Bench(a) => bench::run(&a),
         Command::Devices => devices::run(),
     }
 }

@@ -114,12 +114,10 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     .ok();
     let bar = if a.quiet { ProgressBar::hidden() } else { progress_bar() };
     let setup_seconds = begin.elapsed().as_secs_f64();
-    let cpu = cpu_time::ProcessTime::now();
     let rendered = render(backend.as_mut(), packed.size, stop, |p| {
         show(&bar, p);
         !interrupted.load(Ordering::SeqCst)
     })?;
-    let cpu_seconds = cpu.elapsed().as_secs_f64();
     bar.finish_and_clear();
 
     let reason = match rendered.reason {
@@ -146,7 +144,6 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         let around = Circumstances {
             device,
             setup_seconds,
-            cpu_seconds,
             kernels: kernel_times(backend.as_ref()),
             warnings: scene.warnings.clone(),
         };
@@ -223,7 +220,8 @@ fn checked_stop(a: &RenderArguments) -> Result<Stop> {
     Ok(Stop { passes: a.passes, seconds: a.time, error: a.error })
 }
 
-fn parse_size(text: &str) -> std::result::Result<[u32; 2], String> {
+/// WxH, 1 to 65,536 each.
+pub(super) fn parse_size(text: &str) -> std::result::Result<[u32; 2], String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     match parsed {
         Some([w, h]) if w > 0 && h > 0 && w <= 65_536 && h <= 65_536 => Ok([w, h]),
@@ -240,7 +238,7 @@ fn progress_bar() -> ProgressBar {
     bar
 }
 
-fn show(bar: &ProgressBar, p: &Progress) {
+fn show(bar: &ProgressBar, p: &Progress<'_>) {
     bar.set_position((p.done * 1000.0) as u64);
     let error = p.error.map_or(String::new(), |e| format!("  error {:.2} %", e * 100.0));
     let eta = if p.done > 0.02 {
