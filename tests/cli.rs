@@ -347,7 +347,7 @@ fn unreadable_scene_is_named() {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new();
     let path = folder.path("cornell.obj");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0)).expect("permissions");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o0)).expect("permissions");
     if fs::File::open(&path).is_ok() {
         fs::remove_file(&path).expect("a file");
         fs::create_dir(&path).expect("a folder");

@@ -22,6 +22,9 @@ const COLOURS: [RGBColor; 7] = [
 /// Room around the points, as a factor.
 const MARGIN: f64 = 1.3;
 
+/// Ticks wanted on an axis; fewer would leave a range within one decade without any.
+const TICKS: usize = 16;
+
 /// A point of a curve: time and error.
 type Point = (f64, f64);
 
@@ -85,8 +88,10 @@ fn draw_panel(
         .build_cartesian_2d(x.log_scale(), y.log_scale())?;
     chart
         .configure_mesh()
-        .light_line_style(BLACK.mix(0.06))
+        .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.15))
+        .x_labels(TICKS)
+        .y_labels(TICKS)
         .x_desc(time)
         .y_desc(error)
         .x_label_formatter(&|v| format!("{v}"))
@@ -101,7 +106,10 @@ fn draw_panel(
         chart.draw_series(points.iter().map(|p| Circle::new(*p, 4, colour.filled())))?;
     }
     if !curves.is_empty() {
-        chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK).draw()?;
+        // errors fall from the upper left: the lower left stays free
+        let corner = SeriesLabelPosition::LowerLeft;
+        let mut legend = chart.configure_series_labels();
+        legend.position(corner).background_style(WHITE.mix(0.8)).border_style(BLACK.mix(0.3)).draw()?;
     }
     Ok(())
 }
