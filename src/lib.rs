@@ -10,6 +10,7 @@ pub mod error;
 pub mod film;
 pub mod gpu;
 pub mod layout;
+pub mod memory;
 pub mod output;
 pub mod pack;
 pub mod paths;

@@ -46,6 +46,31 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
     }
 }
 
+/// What clap made of a command line that names no command to run: help and version are an answer, the rest is an
+/// error, which is put into one line.
+pub(crate) fn refuse(e: &clap::Error) -> Result<u8, String> {
+    if !e.use_stderr() {
+        // a closed pipe is no error
+        e.print().ok();
+        return Ok(DONE);
+    }
+    if e.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return Err("no command is given; try --help".into());
+    }
+    let text = e.to_string();
+    let told = text.split("\n\nUsage:").next().unwrap_or_default();
+    let what: Vec<&str> = told.split_whitespace().filter(|word| *word != "tip:").collect();
+    let what = what.join(" ");
+    let what = what.trim_start_matches("error: ").trim_end_matches(" For more information, try '--help'.");
+    Err(format!("{what}; try --help"))
+}
+
+/// Print a line to stderr; a closed pipe is no error.
+pub(crate) fn tell(line: impl std::fmt::Display) {
+    use std::io::Write;
+    writeln!(std::io::stderr(), "{line}").ok();
+}
+
 /// Print a line to stdout; a closed pipe is no error.
 fn say(line: impl std::fmt::Display) {
     use std::io::Write;
