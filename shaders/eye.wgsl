@@ -101,7 +101,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             }
             throughput /= SURVIVAL;
         }
-        if events >= MOST_EVENTS {
+        if events >= MOST_EVENTS || steps > STEP_BUDGET {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);
             break;
         }

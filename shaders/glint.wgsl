@@ -96,6 +96,10 @@ fn chain(pixel: u32, number: u32) -> Seen {
             }
             throughput /= SURVIVAL;
         }
+        if steps > STEP_BUDGET {
+            atomicAdd(&status[STATUS_TRUNCATED], 1u);
+            break;
+        }
     }
     return seen;
 }

@@ -18,6 +18,13 @@ pub trait Backend {
         Vec::new()
     }
 
+    /// How many passes one call should render from `first` on. It depends on the pass only, never on the clock: a call's
+    /// passes are summed in f32, and another split would round otherwise.
+    fn batch_passes(&self, first: u64) -> u32 {
+        let _ = first;
+        1
+    }
+
     /// Render passes `first .. first + count`, numbered from 0.
     ///
     /// # Errors

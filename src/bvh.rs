@@ -38,7 +38,7 @@ pub struct Hit {
     pub v: f32,
 }
 
-/// Origin and edges of a triangle, as [`intersect_triangle`] wants them.
+/// Origin and edges of a triangle, as `intersect_triangle` wants them.
 pub trait Edges {
     /// First vertex, and the edges from it to the second and third.
     fn edges(&self) -> [Vec3; 3];
@@ -63,6 +63,20 @@ impl Bvh {
     /// The nodes in the layout of the kernels.
     pub fn nodes(&self) -> Vec<Node> {
         self.wide.nodes.iter().map(|n| bytemuck::cast::<_, Node>(*n)).collect()
+    }
+
+    /// Levels of inner nodes.
+    pub fn depth(&self) -> u32 {
+        let mut deepest = 0;
+        let mut open = vec![(0usize, 1u32)];
+        while let Some((index, level)) = open.pop() {
+            let Some(node) = self.wide.nodes.get(index) else { continue };
+            deepest = deepest.max(level);
+            let children = node.imask.count_ones() as usize;
+            let first = node.child_base_idx as usize;
+            open.extend((first..first + children).map(|child| (child, level + 1)));
+        }
+        deepest
     }
 
     /// The nearest triangle with distance in `(0, t_max)`.

@@ -232,14 +232,12 @@ pub mod status {
     pub const UNFINISHED: u32 = 0;
     /// Most jotons that a lane wanted to store.
     pub const LANE_STORED_MAX: u32 = 1;
-    /// Contributions that were not finite.
-    pub const NON_FINITE: u32 = 2;
     /// Loops that the driver ended early.
-    pub const LOOP_CUT: u32 = 3;
+    pub const LOOP_CUT: u32 = 2;
     /// Camera and shadow rays.
-    pub const RAYS: u32 = 4;
+    pub const RAYS: u32 = 3;
     /// Camera paths cut at their hard limit.
-    pub const TRUNCATED: u32 = 5;
+    pub const TRUNCATED: u32 = 4;
     /// Number of slots.
     pub const SLOTS: u32 = 8;
 }
@@ -273,11 +271,11 @@ pub fn constants() -> String {
     u("PIXEL_GLINT", PIXEL_GLINT);
     u("STATUS_UNFINISHED", status::UNFINISHED);
     u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
-    u("STATUS_NON_FINITE", status::NON_FINITE);
     u("STATUS_LOOP_CUT", status::LOOP_CUT);
     u("STATUS_RAYS", status::RAYS);
     u("STATUS_TRUNCATED", status::TRUNCATED);
     u("STEP_BUDGET", STEP_BUDGET);
+    u("TRAVERSAL_STACK", TRAVERSAL_STACK);
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);
     u("ROW_FACTOR_Z", ROW_FACTORS[1]);
     u("PATH_START", crate::paths::LightPaths::START);
@@ -303,7 +301,10 @@ pub fn row_bucket(y: i32, z: i32, row_mask: u32) -> u32 {
 
 /// Loop iterations after which a lane puts its work away until the next dispatch. llvmpipe silently ends all loops of
 /// an invocation at 65,535 iterations, counted over the union of up to 16 lanes that run together.
-pub const STEP_BUDGET: u32 = 4000;
+pub const STEP_BUDGET: u32 = 3600;
+
+/// Levels of the hierarchy that a traversal can keep in mind; obvhs' own limit.
+pub const TRAVERSAL_STACK: u32 = 32;
 
 /// Every struct that kernels may use, as WGSL.
 pub fn declarations() -> String {

@@ -109,10 +109,6 @@ pub struct Rendered {
     pub reason: Reason,
 }
 
-/// Passes of a batch: doubled while batches are shorter than this …
-const BATCH_SECONDS: f64 = 0.25;
-/// … up to this many, because a batch is summed in f32.
-const BATCH_PASSES: u64 = 16;
 /// Passes before an error estimate is trusted.
 const ERROR_PASSES: u64 = 4;
 /// What keeps the relative error of dark pixels finite: (I−R)²/(R²+this), as in `joton compare`.
@@ -137,19 +133,18 @@ pub fn render(
     let mut halves = [Film::new(size[0], size[1]), Film::new(size[0], size[1])];
     let mut tally = Tally::default();
     let mut imbalance = Imbalance::default();
-    let (mut passes, mut batch_passes) = (0u64, 1u64);
+    let mut passes = 0u64;
     let mut clock = Clock::start();
     loop {
         let half = usize::from(halves[1].passes() < halves[0].passes());
+        let batch_passes = u64::from(backend.batch_passes(passes));
         let count = stop.passes.map_or(batch_passes, |most| batch_passes.min(most - passes));
-        let batch_start = Instant::now();
         let batch = backend.render(passes, count as u32)?;
         halves[half].add(count, &batch.layers);
         tally += batch.tally;
         imbalance.add(count, &batch.tally);
         passes += count;
         let error = (passes >= ERROR_PASSES).then(|| noise(&halves)).flatten();
-        let batch_seconds = batch_start.elapsed().as_secs_f64();
         let reading = clock.read();
         let [seconds, cpu_seconds] = reading;
 
@@ -190,17 +185,6 @@ pub fn render(
                 error_estimate: error,
                 reason,
             });
-        }
-        if halves[0].passes() == halves[1].passes() {
-            let per_pass = batch_seconds / count as f64;
-            if per_pass * batch_passes as f64 * 2.0 <= BATCH_SECONDS {
-                batch_passes = (batch_passes * 2).min(BATCH_PASSES);
-            }
-            // the last batch ends near the limit
-            if let Some(most) = stop.seconds {
-                let left = ((most - seconds) / per_pass).floor().max(1.0) as u64;
-                batch_passes = batch_passes.min(left);
-            }
         }
     }
 }

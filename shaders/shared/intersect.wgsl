@@ -9,7 +9,6 @@ struct Hit {
 }
 
 const MISS: u32 = 0xffffffffu;
-const STACK_SIZE: u32 = 24u;
 // Barycentric slack: a ray that meets an edge hits one triangle or the other, never neither.
 const EDGE_SLACK: f32 = 1e-6;
 // Smallest divisor of a ray's direction.
@@ -47,7 +46,7 @@ fn four_children(
 
 fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool) -> Hit {
     var hit = Hit(MISS, t_limit, 0.0, 0.0);
-    var stack: array<vec2<u32>, STACK_SIZE>;
+    var stack: array<vec2<u32>, TRAVERSAL_STACK>;
     var depth = 0u;
     let safe = select(direction, select(vec3(-TINY), vec3(TINY), direction >= vec3(0.0)), abs(direction) < vec3(TINY));
     let inverse = 1.0 / safe;
@@ -63,7 +62,7 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             let base = group.x;
             group.y = mask & ~(1u << bit);
             if group.y > 0x00ffffffu {
-                stack[min(depth, STACK_SIZE - 1u)] = group;
+                stack[min(depth, TRAVERSAL_STACK - 1u)] = group;
                 depth += 1u;
             }
             let slot = (bit - 24u) ^ (octant & 0xffu);
@@ -117,7 +116,7 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
                 break;
             }
             depth -= 1u;
-            group = stack[min(depth, STACK_SIZE - 1u)];
+            group = stack[min(depth, TRAVERSAL_STACK - 1u)];
         }
     }
     return hit;

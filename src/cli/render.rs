@@ -51,7 +51,7 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "EXPR")]
     paths: Option<String>,
     /// Shadow rays for each pixel and pass.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
     shadow_rays: u32,
     /// Exposure of PNG files: auto, or a number of stops.
     #[arg(long, default_value = "auto", allow_negative_numbers = true)]

@@ -1,7 +1,7 @@
 //! Boundary: the weights that make a radiance estimate right where its disc loses area at edges and corners.
 //!
 //! Area points stand for the surface. From their moments in the disc, weights c0 + c1 x + c2 y with
-//! Σ a (c0 + c1 x + c2 y)(1, x, y) = (1, 0, 0): a linear irradiance is then estimated without bias [E11]
+//! Σ a (c0 + c1 x + c2 y)(1, x, y) = (1, 0, 0): a linear irradiance is then estimated without bias [E15]
 //! (local linear regression, Fan & Gijbels 1996). Where the disc is whole they are 1/(π r²), 0, 0.
 
 use super::eye::GatherPoint;
@@ -78,7 +78,7 @@ fn moments(map: &AreaMap, w: &Window) -> [f32; 6] {
     let mut sums = [Vec4::ZERO; 6];
     map.tree.visit(w.center, w.radius_squared, |quads| {
         for four in &map.fours[quads] {
-            let (inside, d) = w.accept_either_side(four);
+            let (inside, d) = w.accept_area(four);
             if !inside.any() {
                 continue;
             }

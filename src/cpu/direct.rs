@@ -1,6 +1,6 @@
 //! Direct: light that reaches a gather point straight from an emitter (L D S* E), by shadow rays.
 //!
-//! L = Σ f Le |cos_s| cos_l V / (d² pick pdf_area) [E6]; where the surface is glossy or
+//! L = Σ f Le |cos_s| cos_l V / (d² pick pdf_area) [E5]; where the surface is glossy or
 //! touches an emitter, each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas
 //! 1995).
 

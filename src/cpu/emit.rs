@@ -2,7 +2,7 @@
 //!
 //! By the emitters' own law: flux_i/(pick N). Aimed (caustic map only): L S+ D must meet a specular body first, so
 //! directions are drawn into the cones of the targets' spheres and weighed by the pdf of the mixture,
-//! pdf_solid_angle = (cones that hold the direction) / ΣΩ [E8].
+//! pdf_solid_angle = (cones that hold the direction) / ΣΩ [E13].
 
 use super::ray::lift;
 use super::sampling::{cone, cosine_hemisphere, disc, sphere, to_world, triangle};
@@ -46,7 +46,7 @@ pub(super) fn place_on(e: &PackedEmitter, u: [f32; 2]) -> (Vec3, Vec3) {
     (lift(e.origin + e.e1 * b + e.e2 * c, normal, &shape), normal)
 }
 
-/// Falloff of a spot: 1 inside the inner cone, cubic smoothstep of the cosine to 0 at the outer.
+/// Falloff of a spot: 1 inside the inner cone, cubic smoothstep of the cosine to 0 at the outer [E12].
 pub(super) fn falloff(e: &PackedEmitter, direction: Vec3) -> f32 {
     let (inner, outer) = (e.e2.x, e.e2.y);
     let cos = direction.dot(e.e1);

@@ -1,6 +1,6 @@
 //! Sampling: unit numbers to directions and places. Twin: shaders/shared/sampling.wgsl.
 //!
-//! Directions are local: z is the axis; [`Frame`] turns them to the world. φ = 2π u1 throughout.
+//! Directions are local: z is the axis; `to_world` turns them to the world. φ = 2π u1 throughout.
 
 use glam::Vec3;
 use std::f32::consts::TAU;

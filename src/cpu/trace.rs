@@ -197,7 +197,7 @@ impl Tracer<'_> {
         self.tally.truncated += 1;
     }
 
-    /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E9].
+    /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E11].
     fn scatter(&self, s: &Surface, w: glam::Vec3, flux: &Bands) -> Bands {
         let cos_ng = w.dot(s.ng);
         if cos_ng <= 0.0 {
@@ -224,7 +224,7 @@ impl Tracer<'_> {
     }
 }
 
-/// Veach's factor for an S event: the same as for a D event, so that jotons see the surface that the eye sees.
+/// Veach's factor for an S event [E11]: the same as for a D event, so that jotons see the surface that the eye sees.
 fn specular_adjoint(s: &Surface, w: glam::Vec3) -> f32 {
     let n = s.specular_normal();
     limited((s.back.dot(n) * w.dot(s.ng) / (s.back.dot(s.ng) * w.dot(n))).abs())

@@ -35,7 +35,7 @@ const SCAN_BLOCK: u32 = 256;
 const DIGIT_BITS: u32 = 8;
 /// Counters of a digit.
 const DIGITS: u32 = 1 << DIGIT_BITS;
-/// Jotons up to which keys have 16 bits; beyond they have 24.
+/// Jotons up to which keys have 16 bits; beyond they have 20.
 const SMALL_MAP: u64 = 1 << 19;
 /// A cell is never narrower than this part of the scene: columns fit the table.
 const COLUMNS_MAX: f32 = 30_000.0;
@@ -155,7 +155,7 @@ impl Shape {
     }
 
     fn key_bits(&self) -> u32 {
-        if self.max_stored() <= SMALL_MAP { 16 } else { 24 }
+        if self.max_stored() <= SMALL_MAP { 16 } else { 20 }
     }
 
     /// Items that one invocation of the sort takes: long where lanes are few, short where a GPU has thousands.
@@ -193,7 +193,7 @@ impl Map {
         let key_bits = shape.key_bits();
         let ends = [["keys_a", "places_a"], ["keys_b", "places_b"]];
         let mut digits = Vec::new();
-        for digit in 0..key_bits / DIGIT_BITS {
+        for digit in 0..key_bits.div_ceil(DIGIT_BITS) {
             let (from, to) = (ends[digit as usize % 2], ends[(digit as usize + 1) % 2]);
             let names =
                 [("keys_in", from[0]), ("places_in", from[1]), ("keys_out", to[0]), ("places_out", to[1])];

@@ -53,9 +53,9 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
                 let [u, v] = square_to_triangle([x, y]);
                 let position = t.v0 + t.e1 * u + t.e2 * v;
                 let number = points.len() as u32;
-                if !covered(position, normal, index)
-                    && !(solids && is_buried(scene, position, normal, number))
-                {
+                let hidden = covered(position, normal, index)
+                    || (solids && is_buried(scene, position, normal, number));
+                if !hidden {
                     points.push(AreaPoint { position, normal });
                 }
                 next += each;

@@ -91,7 +91,7 @@ impl MaterialFlags {
 }
 
 gpu_struct! {
-    /// A material, 96 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
+    /// A material, 80 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
     pub struct PackedMaterial {
         /// Lambertian reflectance.
         pub diffuse: Bands,

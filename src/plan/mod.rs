@@ -84,14 +84,18 @@ pub const CAUSTIC_WANTED: f32 = 15.0;
 const CAUSTIC_ALPHA: f64 = 0.75;
 /// α of the diffuse map's radius: boundary-corrected and smooth, it needs little.
 const DIFFUSE_ALPHA: f64 = 0.9;
-/// Base radius of the diffuse map over the square root of the diffuse area, at [`DIFFUSE_REFERENCE_JOTONS`] a pass.
-const DIFFUSE_RADIUS: f64 = 0.025;
+/// Base radius of the diffuse map over the square root of the diffuse area, at [`DIFFUSE_REFERENCE_JOTONS`] a pass. It
+/// falls with the square root of the jotons, so that a disc holds as many (about 120) whatever their number: more jotons
+/// buy sharpness and more passes less noise, and a pass costs the same for each pixel.
+const DIFFUSE_RADIUS: f64 = 0.0275;
 /// See [`DIFFUSE_RADIUS`].
-const DIFFUSE_REFERENCE_JOTONS: f64 = 65_536.0;
+const DIFFUSE_REFERENCE_JOTONS: f64 = 49_152.0;
 /// The diffuse radius is at most this part of the image's width, and at least this many footprints.
 const DIFFUSE_LIMITS: [f64; 2] = [2.0, 0.08];
-/// Jotons a pass and map: between these, and about as many as pixels.
-const JOTONS: [u32; 2] = [1 << 14, 1 << 20];
+/// Jotons a pass for the diffuse map: between these, and about as many as pixels.
+const DIFFUSE_JOTONS: [u32; 2] = [1 << 14, 1 << 18];
+/// Jotons a pass for the caustic map, likewise: its radius follows the pixels.
+const CAUSTIC_JOTONS: [u32; 2] = [1 << 14, 1 << 19];
 
 impl Plan {
     /// Decide what a scene needs.
@@ -151,12 +155,13 @@ impl Plan {
         }
 
         let pixels = scene.pixels() as u32;
-        let jotons = |layer: Layer, n: u32| {
-            if layers[layer as usize] { n.clamp(JOTONS[0], JOTONS[1]) } else { 0 }
+        let jotons = |layer: Layer, n: u32, [least, most]: [u32; 2]| {
+            if layers[layer as usize] { n.clamp(least, most) } else { 0 }
         };
-        let diffuse_jotons = jotons(Layer::Diffuse, pixels / 4 * 3);
-        let caustic_jotons = jotons(Layer::Caustic, if pilot.aimed { pixels / 2 } else { pixels });
-        let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_jotons.max(1))).cbrt();
+        let diffuse_jotons = jotons(Layer::Diffuse, pixels / 4 * 3, DIFFUSE_JOTONS);
+        let caustic_share = if pilot.aimed { pixels / 2 } else { pixels };
+        let caustic_jotons = jotons(Layer::Caustic, caustic_share, CAUSTIC_JOTONS);
+        let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_jotons.max(1))).sqrt();
         let footprint = f64::from(pilot.footprint_median);
         let image_width = footprint * f64::from(scene.size[0]);
         let diffuse = (DIFFUSE_RADIUS * scene.diffuse_area.sqrt() * per_joton)
