@@ -69,12 +69,6 @@ fn chances(m: PackedMaterial, carried: Bands, reflectance: f32) -> Chances {
     if HAS_SPECULAR {
         c.mirror = max_band(m.specular * carried) * scale;
     }
-    // lobes of different colours, each by its own largest band, may ask for more than one event: what is drawn must be
-    // what is divided by
-    let over = max(1.0, c.diffuse + c.glossy + c.mirror);
-    c.diffuse /= over;
-    c.glossy /= over;
-    c.mirror /= over;
     return c;
 }
 

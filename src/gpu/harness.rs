@@ -148,7 +148,7 @@ impl Harness<'_> {
     /// Scatter area points on a scene's diffuse surfaces for discs of this radius; fills the buffers area_points and
     /// area_starts and says in `info` how they are cut.
     pub fn area_points(&mut self, scene: &PackedScene, radius: f64, seed: u32, info: &mut MapInfo) {
-        let grid = super::area::build(scene, radius, seed);
+        let grid = super::area::build(scene, [radius; 2], seed);
         self.storage("area_points", &grid.points);
         self.storage("area_starts", &grid.starts);
         info.area_each = grid.each;

@@ -24,6 +24,7 @@ use crate::film::LAYERS;
 use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
 use crate::plan::Plan;
+use crate::rng::sequence_seed;
 use map::{Kind, Shape};
 use pipelines::{Kernels, Steps};
 use recorder::{Recorder, Timer};
@@ -72,8 +73,8 @@ struct Shapes {
 
 /// The area points that are on the device.
 struct AreaState {
-    first_pass: u64,
-    radius: f64,
+    /// Number of the group of passes that they are for.
+    group: u64,
     each: f32,
     cells_per_unit: f32,
     row_mask: u32,
@@ -186,14 +187,17 @@ impl GpuBackend {
         info
     }
 
-    /// Put fresh area points on the device where those there are old or too sparse for the radius of `pass`.
+    /// Put on the device the area points of the group of passes that `pass` belongs to. They depend on the group and the
+    /// seed, not on what was rendered before: passes stay independent.
     fn renew_area_points(&mut self, pass: u64) -> Result<()> {
-        let radius = self.plan.diffuse.radius(pass);
-        if self.area.as_ref().is_some_and(|a| pass.abs_diff(a.first_pass) < AREA_PASSES && a.radius >= radius)
-        {
+        let group = pass / AREA_PASSES;
+        if self.area.as_ref().is_some_and(|a| a.group == group) {
             return Ok(());
         }
-        let grid = area::build(&self.scene, radius, pass as u32);
+        let radius = |pass| self.plan.diffuse.radius(pass);
+        let radii = [radius(group * AREA_PASSES), radius((group + 1) * AREA_PASSES - 1)];
+        let seed = sequence_seed(self.plan.settings.seed, group as u32, area::STREAM_AREA);
+        let grid = area::build(&self.scene, radii, seed);
         let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
         if self.buffers["area_points"].size() < bytes.len() as u64 {
             let size = (bytes.len() as u64 * 2).min(area::AREA_POINTS_MAX as u64 * 16 + 16);
@@ -203,8 +207,7 @@ impl GpuBackend {
         self.context.queue.write_buffer(&self.buffers["area_points"], 0, bytes);
         self.context.queue.write_buffer(&self.buffers["area_starts"], 0, bytemuck::cast_slice(&grid.starts));
         self.area = Some(AreaState {
-            first_pass: pass,
-            radius,
+            group,
             each: grid.each,
             cells_per_unit: grid.cells_per_unit,
             row_mask: grid.row_mask,

@@ -157,8 +157,9 @@ impl<'a> Stage<'a> {
 
     fn mean_fits(&self) -> Vec<Fit> {
         let mut sum = vec![Fit::zeroed(); self.points.len()];
+        let everywhere = vec![1; self.points.len()];
         for seed in 0..SCATTERINGS {
-            for (s, f) in sum.iter_mut().zip(self.fits(seed, None).0) {
+            for (s, f) in sum.iter_mut().zip(self.fits(seed, Some(&everywhere)).0) {
                 s.c += f.c / SCATTERINGS as f32;
             }
         }

@@ -120,11 +120,11 @@ fn jotons_on_the_boundary_are_in_the_table() {
     check(context, "boundary", &given(65, 4, 16, |_| 4, corner));
 }
 
-/// Above 2^19 slots the keys have 24 bits: three digits, so that the sorted list ends in the other buffer.
+/// Above 2^19 slots the keys have 20 bits: three digits, so that the sorted list ends in the other buffer.
 #[test]
 fn large_maps_have_three_digits() {
     let context = device_or_return!();
-    let g = given(4097, 130, 24, |i| pcg4d([i, 9, 0, 0])[0] % 131, anywhere);
+    let g = given(4097, 130, 20, |i| pcg4d([i, 9, 0, 0])[0] % 131, anywhere);
     assert!(u64::from(g.info.lanes) * u64::from(g.info.lane_capacity) > 1 << 19);
     assert_eq!(check(context, "three digits", &g), [0; 8]);
 }

@@ -185,7 +185,8 @@ fn brdf_is_lambert_plus_phong() {
     assert!(bright > 100, "the lobe was met {bright} times");
 }
 
-/// chances: the events' expected flux is what the surface leaves, and no chance is negative or sums to more than one.
+/// chances are the shares of the flux that events take; those of the roulette are scaled down to one event: what is drawn
+/// must be what the flux is divided by, or coloured lobes lose light.
 #[test]
 fn chances_share_out_the_flux() {
     let context = device_or_return!();
@@ -206,14 +207,16 @@ fn chances_share_out_the_flux() {
         imports: BSDF,
         declarations: MATERIALS,
         code: "let c = chances(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
+            let r = roulette_chances(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
             out_f(0u, vec4(c.diffuse, c.glossy, c.mirror, c.reflect));
-            out_f(1u, vec4(c.transmit, 0.0, 0.0, 0.0));",
+            out_f(1u, vec4(c.transmit, r.transmit, 0.0, 0.0));
+            out_f(2u, vec4(r.diffuse, r.glossy, r.mirror, r.reflect));",
         overrides: &[],
     };
     let mut harness = with_materials(context, &materials);
-    let out: Vec<[Row; 2]> = snippet.run_in(context, &mut harness, &[], &inputs);
+    let out: Vec<[Row; 3]> = snippet.run_in(context, &mut harness, &[], &inputs);
     let mut over = 0;
-    for ([i, r], [four, last]) in inputs.iter().zip(out) {
+    for ([i, r], [four, last, roulette]) in inputs.iter().zip(out) {
         let m = &materials[floats(*i)[3] as usize];
         let carried = dvec3(*i);
         let reflectance = f64::from(floats(*r)[0]);
@@ -224,17 +227,72 @@ fn chances_share_out_the_flux() {
         let wanted = if m.flags().is_dielectric() {
             [0.0, 0.0, 0.0, share(m.specular, reflectance), share(m.transmission, 1.0 - reflectance)]
         } else {
-            // more than one event cannot be drawn
-            let all = [share(m.diffuse, 1.0), share(m.glossy, 1.0), share(m.specular, 1.0), 0.0, 0.0];
-            over += usize::from(all.iter().sum::<f64>() > 1.0);
-            all.map(|c| c / all.iter().sum::<f64>().max(1.0))
+            [share(m.diffuse, 1.0), share(m.glossy, 1.0), share(m.specular, 1.0), 0.0, 0.0]
         };
-        let [a, b, c, d] = floats(four).map(f64::from);
-        let got = [a, b, c, d, f64::from(floats(last)[0])];
-        for (k, (g, w)) in got.iter().zip(wanted).enumerate() {
-            assert!((g - w).abs() < 1e-5, "event {k} of {carried}: {g} against {w}");
+        let sum = wanted.iter().sum::<f64>();
+        over += usize::from(sum > 1.0);
+        let [transmit, drawn_transmit, ..] = floats(last);
+        let all = |row: Row, last: f32| {
+            let [a, b, c, d] = floats(row);
+            [a, b, c, d, last].map(f64::from)
+        };
+        let (got, drawn) = (all(four, transmit), all(roulette, drawn_transmit));
+        for (k, w) in wanted.iter().enumerate() {
+            assert!((got[k] - w).abs() < 1e-5, "event {k} of {carried}: {} against {w}", got[k]);
+            let w = w / sum.max(1.0);
+            assert!((drawn[k] - w).abs() < 1e-5, "drawn, event {k} of {carried}: {} against {w}", drawn[k]);
         }
-        assert!(got.iter().sum::<f64>() <= 1.0 + 1e-5, "{carried}: {got:?}");
+        assert!(drawn.iter().sum::<f64>() <= 1.0 + 1e-5, "{carried}: {drawn:?}");
     }
     assert!(over > 100, "coloured lobes that ask for more than one event were met {over} times");
+}
+
+/// sample_brdf draws by pdf_brdf: weighted by f cos / pdf its samples integrate to what even directions integrate to.
+#[test]
+fn brdf_samples_follow_their_pdf() {
+    let context = device_or_return!();
+    const COUNT: usize = 1 << 16;
+    let materials =
+        [glossy(5.0), glossy(60.0), PackedMaterial::new(&Material::matte("matte", [0.2, 0.4, 0.8]))];
+    let n = Vec3::new(0.36, -0.48, 0.8);
+    let wo = (n + 0.8 * n.any_orthonormal_vector()).normalize();
+    for m in 0..materials.len() {
+        let inputs: Vec<[Row; 1]> = (0..COUNT)
+            .map(|i| {
+                let [a, b] = joton::rng::sobol2(i as u32, 70);
+                let [c, _] = joton::rng::sobol2(i as u32, 71);
+                [row([a, b, c, 0.0])]
+            })
+            .collect();
+        let code = format!(
+            "let m = materials[{m}]; let n = vec3({:?}, {:?}, {:?}); let wo = vec3({:?}, {:?}, {:?});
+            let u = in_f(0u).xyz;
+            let wi = sample_brdf(m, n, wo, u);
+            out_f(0u, vec4(wi, pdf_brdf(m, n, wi, wo)));
+            out_f(1u, vec4(eval_brdf(m, n, wi, wo), 0.0));
+            let even = basis(n) * sample_cone(u.xy, 1.0);
+            out_f(2u, vec4(even, pdf_brdf(m, n, even, wo)));
+            out_f(3u, vec4(eval_brdf(m, n, even, wo), 0.0));",
+            n.x, n.y, n.z, wo.x, wo.y, wo.z
+        );
+        let snippet = Snippet { imports: BSDF, declarations: MATERIALS, code: &code, overrides: &[] };
+        let mut harness = with_materials(context, &materials);
+        let out: Vec<[Row; 4]> = snippet.run_in(context, &mut harness, &[], &inputs);
+        let (mut by_sample, mut by_even, mut total) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        let n = n.as_dvec3();
+        for [wi, f, even, g] in out {
+            let pdf = |r: Row| f64::from(floats(r)[3]);
+            let cos = dvec3(wi).dot(n).max(0.0);
+            if cos > 0.0 {
+                by_sample += dvec3(f) * cos / pdf(wi) / COUNT as f64;
+            }
+            by_even += dvec3(g) * dvec3(even).dot(n).max(0.0) * TAU / COUNT as f64;
+            total += pdf(even) * TAU / COUNT as f64;
+        }
+        // 2^16 stratified samples of a lobe of exponent 60 by even directions: half a per cent
+        let off = (by_sample / by_even - 1.0).abs().max_element();
+        assert!(off < 0.01, "material {m}: {by_sample} against {by_even}");
+        // what a lobe has below the horizon is the only part that is missing
+        assert!(total < 1.005 && total > 0.85, "material {m}: the pdf integrates to {total}");
+    }
 }
