@@ -141,7 +141,7 @@ pub const PATTERN: u32 = 0xdead_beef;
 
 /// The uniform of a path filter.
 pub fn path_filter(paths: &crate::paths::LightPaths) -> crate::layout::PathFilter {
-    super::path_filter(paths)
+    super::scene_buffers::path_filter(paths)
 }
 
 impl Harness<'_> {

@@ -3,11 +3,11 @@
 use super::context::Context;
 use super::kernel::Buffers;
 use super::map;
-use super::path_filter;
 use super::ring::RING_BYTES;
 use crate::error::Result;
-use crate::layout::AreaPoint;
+use crate::layout::{AreaPoint, PathFilter};
 use crate::pack::{PackedScene, Target};
+use crate::paths::LightPaths;
 use crate::plan::Plan;
 use glam::{Vec2, Vec3};
 
@@ -88,4 +88,19 @@ pub fn encode(n: Vec3) -> u32 {
 pub(super) fn encode_area_point(p: &crate::pack::AreaPoint) -> AreaPoint {
     let [x, y, z] = p.normal.to_array().map(|c| u32::from((c * 127.0).round() as i8 as u8));
     AreaPoint { position: p.position, normal: x | y << 8 | z << 16 }
+}
+
+/// The uniform of the path filter.
+pub(super) fn path_filter(paths: &LightPaths) -> PathFilter {
+    let mut filter = PathFilter { transitions: [[0; 4]; 16], accept: [[0; 4]; 16] };
+    for (state, next) in paths.transitions().into_iter().enumerate() {
+        for (event, to) in next.into_iter().enumerate() {
+            let word = 2 * state + event;
+            filter.transitions[word / 4][word % 4] = to;
+        }
+    }
+    for k in 0..64 {
+        filter.accept[k / 4][k % 4] = paths.accept_mask_after_specular(k as u32);
+    }
+    filter
 }
