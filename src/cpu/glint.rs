@@ -16,8 +16,10 @@ use rayon::prelude::*;
 
 /// Chains of a marked pixel in a pass.
 const CHAINS: u32 = 4;
-/// Chains of every pixel in the pilot.
+/// Chains of a pixel in the pilot …
 const PILOT_CHAINS: u32 = 8;
+/// … and of those the ones that tell whether there is anything to see but D surfaces: most pixels need no more.
+const PILOT_FIRST: u32 = 2;
 /// Events at which both branches get the same chance: into a body, out of it, and one to spare. Longer chains carry too
 /// little to be worth a doubling.
 const EVEN_EVENTS: u32 = 3;
@@ -28,6 +30,8 @@ struct Seen {
     emission: Bands,
     /// It ended on an emitter, with nothing specular before.
     direct: bool,
+    /// There was a specular event.
+    specular: bool,
 }
 
 /// What the pilot's chains saw of light in a pixel.
@@ -53,7 +57,7 @@ fn chain(
     let choices = sobol2(number, sequence_seed(seed, pixel, STREAM_GLINT_CHOICE));
     let mut ray = ray_through(scene, pixel, place);
     let mut throughput = [1.0; crate::bands::BANDS];
-    let mut seen = Seen { emission: BLACK, direct: false };
+    let mut seen = Seen { emission: BLACK, direct: false, specular: false };
     for event in 0..EVENTS_MAX {
         tally.rays += 1;
         let Some(s) = Surface::hit(scene, &ray) else { return seen };
@@ -64,7 +68,7 @@ fn chain(
         if !s.flags().has_delta() {
             return seen;
         }
-        seen.direct = false;
+        (seen.direct, seen.specular) = (false, true);
         let [u_way, u0, u1, u_survive] = random4(seed, number, pixel, DIMENSION_GLINT + event);
         let on = if s.flags().is_dielectric() {
             let split = if event < EVEN_EVENTS { Split::Even } else { Split::ByFlux };
@@ -101,27 +105,38 @@ pub(super) fn emission(scene: &PackedScene, plan: &Plan, pixel: u32, pass: u32, 
 /// a neighbour does. Pixels inside a lamp, and far from any, are not. The pilot's chains are the last of their
 /// sequences: no pass uses them, so the choice costs no bias. It knows no --paths: the parts of an image add up.
 pub(super) fn mark(scene: &PackedScene, seed: u32, pilot: u32) -> Vec<bool> {
-    let [width, height] = scene.size;
-    let first = pilot.wrapping_mul(PILOT_CHAINS);
-    let look = |pixel: u32| {
-        let (mut lit, mut direct) = (0, 0);
-        for i in 0..PILOT_CHAINS {
-            let seen = chain(scene, seed, pixel, first.wrapping_add(i), |_| true, &mut Tally::default());
+    let look = |pixel: u32, chains: u32| {
+        let (mut lit, mut direct, mut specular) = (0, 0, false);
+        for i in 0..chains {
+            let number = pilot.wrapping_mul(PILOT_CHAINS).wrapping_add(i);
+            let seen = chain(scene, seed, pixel, number, |_| true, &mut Tally::default());
             lit += u32::from(!is_black(&seen.emission));
             direct += u32::from(seen.direct);
+            specular |= seen.specular;
         }
         match (lit, direct) {
+            // too few chains to say that glass shows no light
+            (0, _) if specular && chains < PILOT_CHAINS => Light::InPart,
             (0, _) => Light::Nowhere,
-            (_, PILOT_CHAINS) => Light::Everywhere,
+            _ if direct == chains => Light::Everywhere,
             _ => Light::InPart,
         }
     };
-    let found: Vec<Light> = (0..scene.pixels() as u32).into_par_iter().map(look).collect();
+    let pixels = || (0..scene.pixels() as u32).into_par_iter();
+    let first: Vec<Light> = pixels().map(|pixel| look(pixel, PILOT_FIRST)).collect();
+    let open = mixed(&first, scene.size);
+    let found: Vec<Light> =
+        pixels().map(|i| if open[i as usize] { look(i, PILOT_CHAINS) } else { first[i as usize] }).collect();
+    mixed(&found, scene.size)
+}
+
+/// Where light is seen in part, or a neighbour sees it otherwise.
+fn mixed(found: &[Light], [width, height]: [u32; 2]) -> Vec<bool> {
     let around = |i: u32, end: u32| i.saturating_sub(1)..(i + 2).min(end);
-    let marked = |x: u32, y: u32| {
+    let is_mixed = |x: u32, y: u32| {
         let here = found[(y * width + x) as usize];
         let mut near = around(y, height).flat_map(|v| around(x, width).map(move |u| v * width + u));
-        here == Light::InPart || near.any(|i| found[i as usize] != here)
+        near.any(|i| found[i as usize] == Light::InPart || found[i as usize] != here)
     };
-    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| marked(x, y)).collect()
+    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| is_mixed(x, y)).collect()
 }
