@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
 
-/// Rays of a measurement: more than fit a cache of hits, less than a millisecond or two.
+/// Rays of a measurement: enough to cover a scene, few enough to take milliseconds.
 const RAYS: u32 = 4096;
 /// Edges of the icosahedron are cut into this many: 20 · 100² = 200,000 triangles.
 const FREQUENCY: u32 = 100;
@@ -84,6 +84,7 @@ fn traversal(c: &mut Criterion) {
     measure(&mut group, "cornell", &scene.bvh, &scene.triangles, &rays(scene.bounds));
 
     let vertices = icosphere();
+    assert_eq!(vertices.len(), 200_000);
     let (bvh, order) = Bvh::build(&vertices);
     let triangles: Vec<Corners> = order.iter().map(|&i| Corners(vertices[i as usize])).collect();
     measure(&mut group, "icosphere 200k", &bvh, &triangles, &rays([Vec3::splat(-1.0), Vec3::ONE]));

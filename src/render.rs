@@ -239,3 +239,42 @@ impl Imbalance {
         Some((per_pass * passes).sqrt() / self.emitted)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::Batch;
+    use std::time::Duration;
+
+    /// One pixel that is as bright as the number of its pass.
+    struct Counter;
+
+    impl Backend for Counter {
+        fn describe(&self) -> String {
+            "counter".into()
+        }
+
+        fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+            let sum: f32 = (first..first + u64::from(count)).map(|pass| pass as f32).sum();
+            Ok(Batch { layers: std::array::from_fn(|_| vec![[sum; BANDS]]), tally: Tally::default() })
+        }
+    }
+
+    /// A watcher sees the picture so far, layers summed, and its own time is not counted as rendering.
+    #[test]
+    fn watching_is_free_and_sees_the_picture() {
+        let nap = Duration::from_millis(40);
+        let mut seen = Vec::new();
+        let stop = Stop { passes: Some(4), ..Stop::default() };
+        let rendered = render(&mut Counter, [1, 1], stop, |p| {
+            seen.push((p.passes, p.picture().whole.pixels[0][0]));
+            std::thread::sleep(nap);
+            true
+        })
+        .expect("a picture");
+        // means of 0, 0 1, 0 1 2, 0 1 2 3, in each of four layers
+        assert_eq!(seen, [(1, 0.0), (2, 2.0), (3, 4.0), (4, 6.0)]);
+        assert_eq!(rendered.picture.whole.pixels[0][0], 6.0);
+        assert!(rendered.seconds < nap.as_secs_f64(), "{} s for nothing but naps", rendered.seconds);
+    }
+}
