@@ -1,7 +1,7 @@
 // Boundary: what part of a gather point's disc is surface at all, and the weights of a local linear fit over it.
 // Σ a (c0 + c1 x + c2 y) (1, x, y) = (1, 0, 0) over the area points in the disc [E15]: exact for a linear field, so what a
 // disc loses at an edge or in a corner neither darkens nor bends the estimate.
-// reads  map_info, gather_points, area_points (bucket order), area_starts      writes  fits
+// reads  map_info, gather_points, area_points (bucket order), area_starts      writes  fits, edges (pilot; passes read them)
 // import: shared/index.wgsl
 // import: shared/sampling.wgsl
 // import: shared/grid.wgsl

@@ -1,6 +1,6 @@
 // Caustic radius: the base radius of each pixel, so that its disc holds about WANTED jotons of a pass: small where the
 // caustic is bright, never under a footprint's share nor over the largest radius. Counts are averaged over 3×3 pixels.
-// reads  gather_points, counts      writes  fits (.x: base radius)
+// reads  map_info, gather_points, counts      writes  fits (.x: base radius)
 // import: shared/index.wgsl
 
 @group(0) @binding(0) var<uniform> pass_info: PassInfo;

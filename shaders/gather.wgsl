@@ -1,7 +1,7 @@
 // Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
 // L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the weights of the boundary's fit; no cosine, it is in Φ already.  [E7] Jensen 1996
 // Two variants: the caustic map (a radius for each pixel) and the diffuse map (fitted at boundaries).
-// reads  map_info, gather_points, materials, sorted_jotons, bucket_starts, radii or fits      writes  film, status
+// reads  map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits      writes  film, status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
 // import: shared/grid.wgsl

@@ -1,7 +1,7 @@
 // Glint: emission seen through specular surfaces (E S* L) where it is small in the image: a few camera chains that branch
 // evenly between reflection and refraction. A lamp's four percent in a water surface is then found by every other chain
 // instead of by every twenty-fifth. Only for pixels that the pilot marked; the eye kernel leaves these to us.
-// reads  scene, path_filter, gather_points (its pixel flags)      writes  film_emission, or counts in the pilot, status
+// reads  scene, path_filter, gather_points (its pixel flags)      writes  film (emission; counts in the pilot), status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
 // import: shared/rng.wgsl

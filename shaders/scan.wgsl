@@ -1,6 +1,6 @@
 // Scan: exclusive prefix sums, in place, in three steps without barriers (they are dear on software devices): sums of
 // blocks, a serial scan of the sums, sums within blocks. Integers: the order does not matter.
-// reads, writes  values, block_sums
+// reads  scan_info      reads and writes  values, block_sums
 // import: shared/index.wgsl
 
 struct ScanInfo {

@@ -82,8 +82,27 @@ impl Error {
         Self::Device { what: what.into(), remedy: remedy.into() }
     }
 
+    /// A file that the system does not let us read or write: its words, and what to do.
+    pub fn system(file: impl Into<PathBuf>, action: &'static str, e: &std::io::Error) -> Self {
+        Self::io(file, action, words(e))
+    }
+
     /// A file that could not be read or written.
     pub fn io(file: impl Into<PathBuf>, action: &'static str, what: impl ToString) -> Self {
         Self::Io { file: file.into(), action, what: what.to_string() }
     }
+}
+
+/// The system's words for an error and what to do about it, where that is known.
+pub(crate) fn words(e: &std::io::Error) -> String {
+    use std::io::ErrorKind as K;
+    let remedy = match e.kind() {
+        K::NotFound => "check the name and the folder",
+        K::PermissionDenied => "change its permissions or choose another",
+        K::IsADirectory => "name a file, not a folder",
+        K::ReadOnlyFilesystem => "choose another folder",
+        K::StorageFull => "make room or choose another disc",
+        _ => return e.to_string(),
+    };
+    format!("{e}; {remedy}")
 }

@@ -1,6 +1,27 @@
 //! Film: the layers of an image, summed in f64 over passes.
 
 use crate::bands::{BANDS, Bands};
+use crate::error::{Error, Result};
+
+/// Bytes of host memory for a pixel, from the first pass to the written file: two films (192), a batch (48 and its copy
+/// from the device), the picture (60), channels and screen values for the files (75), the backend's own state.
+const BYTES_PER_PIXEL: u64 = 512;
+
+/// Refuse an image that does not fit the memory that is left, before any of it is taken.
+///
+/// # Errors
+/// [`Error::Capacity`] with need and limit.
+pub fn check_memory(size: [u32; 2]) -> Result<()> {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let need = pixels.saturating_mul(BYTES_PER_PIXEL);
+    // pixels and jotons are numbered in 32 bits, with a few to spare
+    let limit = crate::memory::available().unwrap_or(u64::MAX).min(BYTES_PER_PIXEL << 28);
+    if need > limit {
+        let remedy = "render a smaller image (--size)".to_string();
+        return Err(Error::Capacity { buffer: "the film", need, limit, remedy });
+    }
+    Ok(())
+}
 
 /// The layers of the image, by class of light path. Their sum is the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

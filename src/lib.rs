@@ -4,12 +4,14 @@
 
 pub mod backend;
 pub mod bands;
+pub mod bench;
 pub mod bvh;
 pub mod cpu;
 pub mod error;
 pub mod film;
 pub mod gpu;
 pub mod layout;
+pub mod memory;
 pub mod output;
 pub mod pack;
 pub mod paths;

@@ -7,10 +7,14 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match cli::run(cli::Arguments::parse()) {
+    let done = match cli::Arguments::try_parse() {
+        Ok(arguments) => cli::run(arguments).map_err(|e| e.to_string()),
+        Err(e) => cli::refuse(&e),
+    };
+    match done {
         Ok(code) => ExitCode::from(code),
-        Err(e) => {
-            eprintln!("joton: {e}");
+        Err(line) => {
+            cli::tell(format_args!("joton: {line}"));
             ExitCode::from(2)
         }
     }

@@ -39,7 +39,7 @@ pub enum Reason {
 
 /// How far a render is.
 #[derive(Debug, Clone, Copy)]
-pub struct Progress {
+pub struct Progress<'a> {
     /// Passes done.
     pub passes: u64,
     /// Seconds of rendering.
@@ -48,6 +48,44 @@ pub struct Progress {
     pub error: Option<f64>,
     /// Part of the work that is done, 0 to 1, as far as it can be told.
     pub done: f64,
+    /// Processor seconds of all threads while rendering.
+    pub cpu_seconds: f64,
+    /// Sums of all counts so far.
+    pub tally: &'a Tally,
+    halves: &'a [Film; 2],
+}
+
+impl Progress<'_> {
+    /// The mean of the passes so far. Computed for who asks; the time that takes is not counted as rendering.
+    pub fn picture(&self) -> Picture {
+        let mut film = self.halves[0].clone();
+        film.merge(&self.halves[1]);
+        film.picture()
+    }
+}
+
+/// Seconds of rendering, without what the watcher does in between.
+struct Clock {
+    since: Instant,
+    cpu_since: cpu_time::ProcessTime,
+    before: [f64; 2],
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { since: Instant::now(), cpu_since: cpu_time::ProcessTime::now(), before: [0.0; 2] }
+    }
+
+    /// Seconds, and processor seconds of all threads.
+    fn read(&self) -> [f64; 2] {
+        let now = [self.since.elapsed(), self.cpu_since.elapsed()].map(|d| d.as_secs_f64());
+        [self.before[0] + now[0], self.before[1] + now[1]]
+    }
+
+    /// Go on from an earlier reading.
+    fn go_on_from(&mut self, reading: [f64; 2]) {
+        *self = Self { before: reading, ..Self::start() };
+    }
 }
 
 /// A finished render.
@@ -59,6 +97,8 @@ pub struct Rendered {
     pub passes: u64,
     /// Seconds of rendering, without set-up.
     pub seconds: f64,
+    /// Processor seconds of all threads while rendering.
+    pub cpu_seconds: f64,
     /// Sums of all counts.
     pub tally: Tally,
     /// Standard error of (emitted − absorbed − escaped) / emitted, from the spread between batches.
@@ -82,7 +122,7 @@ pub fn render(
     backend: &mut dyn Backend,
     size: [u32; 2],
     stop: Stop,
-    mut watch: impl FnMut(&Progress) -> bool,
+    mut watch: impl FnMut(&Progress<'_>) -> bool,
 ) -> Result<Rendered> {
     let stop = if stop == Stop::default() {
         Stop { error: Some(DEFAULT_ERROR), seconds: Some(DEFAULT_SECONDS), passes: None }
@@ -94,7 +134,7 @@ pub fn render(
     let mut tally = Tally::default();
     let mut imbalance = Imbalance::default();
     let mut passes = 0u64;
-    let start = Instant::now();
+    let mut clock = Clock::start();
     loop {
         let half = usize::from(halves[1].passes() < halves[0].passes());
         let batch_passes = u64::from(backend.batch_passes(passes));
@@ -104,8 +144,9 @@ pub fn render(
         tally += batch.tally;
         imbalance.add(count, &batch.tally);
         passes += count;
-        let seconds = start.elapsed().as_secs_f64();
         let error = (passes >= ERROR_PASSES).then(|| noise(&halves)).flatten();
+        let reading = clock.read();
+        let [seconds, cpu_seconds] = reading;
 
         let reached =
             |value: Option<f64>, limit: Option<f64>| matches!((value, limit), (Some(v), Some(l)) if v <= l);
@@ -116,7 +157,10 @@ pub fn render(
         };
         let done =
             part(passes as f64, stop.passes.map(|p| p as f64)).max(part(seconds, stop.seconds)).max(by_error);
-        let go_on = watch(&Progress { passes, seconds, error, done: done.min(1.0) });
+        let done = done.min(1.0);
+        let go_on =
+            watch(&Progress { passes, seconds, error, done, cpu_seconds, tally: &tally, halves: &halves });
+        clock.go_on_from(reading);
         let reason = if stop.passes.is_some_and(|most| passes >= most) {
             Some(Reason::Passes)
         } else if reached(error, stop.error) {
@@ -135,6 +179,7 @@ pub fn render(
                 picture: film.picture(),
                 passes,
                 seconds,
+                cpu_seconds,
                 tally,
                 energy_error: imbalance.relative_error(),
                 error_estimate: error,
@@ -192,5 +237,44 @@ impl Imbalance {
         let mean: f64 = self.batches.iter().map(|b| b.1).sum::<f64>() / passes;
         let per_pass = self.batches.iter().map(|(p, d)| (d - p * mean).powi(2) / p).sum::<f64>() / (n - 1.0);
         Some((per_pass * passes).sqrt() / self.emitted)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::Batch;
+    use std::time::Duration;
+
+    /// One pixel that is as bright as the number of its pass.
+    struct Counter;
+
+    impl Backend for Counter {
+        fn describe(&self) -> String {
+            "counter".into()
+        }
+
+        fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+            let sum: f32 = (first..first + u64::from(count)).map(|pass| pass as f32).sum();
+            Ok(Batch { layers: std::array::from_fn(|_| vec![[sum; BANDS]]), tally: Tally::default() })
+        }
+    }
+
+    /// A watcher sees the picture so far, layers summed, and its own time is not counted as rendering.
+    #[test]
+    fn watching_is_free_and_sees_the_picture() {
+        let nap = Duration::from_millis(40);
+        let mut seen = Vec::new();
+        let stop = Stop { passes: Some(4), ..Stop::default() };
+        let rendered = render(&mut Counter, [1, 1], stop, |p| {
+            seen.push((p.passes, p.picture().whole.pixels[0][0]));
+            std::thread::sleep(nap);
+            true
+        })
+        .expect("a picture");
+        // means of 0, 0 1, 0 1 2, 0 1 2 3, in each of four layers
+        assert_eq!(seen, [(1, 0.0), (2, 2.0), (3, 4.0), (4, 6.0)]);
+        assert_eq!(rendered.picture.whole.pixels[0][0], 6.0);
+        assert!(rendered.seconds < nap.as_secs_f64(), "{} s for nothing but naps", rendered.seconds);
     }
 }

@@ -89,8 +89,6 @@ pub struct Circumstances {
     pub device: String,
     /// Seconds before the first pass.
     pub setup_seconds: f64,
-    /// Processor seconds while rendering.
-    pub cpu_seconds: f64,
     /// What each kernel took.
     pub kernels: Vec<KernelTime>,
     /// What was repaired or ignored in the scene.
@@ -114,7 +112,7 @@ impl Report {
             passes: rendered.passes,
             seconds: rendered.seconds,
             setup_seconds: around.setup_seconds,
-            cpu_seconds: around.cpu_seconds,
+            cpu_seconds: rendered.cpu_seconds,
             stopped_by: rendered.reason,
             rays: t.rays,
             jotons_emitted: t.jotons_emitted,
@@ -132,7 +130,7 @@ impl Report {
                 caustic: radius(plan.caustic_jotons, &plan.caustic),
                 diffuse: radius(plan.diffuse_jotons, &plan.diffuse),
             },
-            peak_memory_bytes: peak_memory(),
+            peak_memory_bytes: crate::memory::peak(),
             error_estimate: rendered.error_estimate,
             non_finite: t.non_finite,
             truncated: t.truncated,
@@ -140,12 +138,4 @@ impl Report {
             warnings: around.warnings,
         }
     }
-}
-
-/// Largest resident set of this process, where the system tells (Linux).
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    let kib: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(kib * 1024)
 }

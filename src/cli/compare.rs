@@ -2,8 +2,8 @@
 
 use super::{DONE, OUT_OF_TOLERANCE, say};
 use clap::Args;
-use joton::Result;
-use joton::output::{compare, exr};
+use joton::output::{self, compare, exr};
+use joton::{Error, Result};
 use std::path::PathBuf;
 
 /// Arguments of `joton compare`.
@@ -25,6 +25,12 @@ pub(super) struct CompareArguments {
 }
 
 pub(super) fn run(a: &CompareArguments) -> Result<u8> {
+    if a.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
+        return Err(Error::usage("--tolerance must be 0 or larger", "give the largest relMSE to accept"));
+    }
+    if let Some(path) = &a.heatmap {
+        output::check_writable(path)?;
+    }
     let (image, reference) = (exr::read_image(&a.image)?, exr::read_image(&a.reference)?);
     let c = compare::compare(&image, &reference)?;
     let ratios: Vec<String> = c.mean_ratio.iter().map(|r| format!("{r:.4}")).collect();

@@ -1,5 +1,6 @@
 //! The command line: arguments, one file for each command.
 
+mod bench;
 mod compare;
 mod device;
 mod devices;
@@ -25,6 +26,8 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Compare an image with a reference.
     Compare(compare::CompareArguments),
+    /// Error over time on each device: CSV and plot.
+    Bench(bench::BenchArguments),
     /// List the devices, and which one is chosen.
     Devices,
 }
@@ -42,8 +45,34 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Command::Render(a) => render::run(&a),
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),
+        Command::Bench(a) => bench::run(&a),
         Command::Devices => devices::run(),
     }
+}
+
+/// What clap made of a command line that names no command to run: help and version are an answer, the rest is an
+/// error, which is put into one line.
+pub(crate) fn refuse(e: &clap::Error) -> Result<u8, String> {
+    if !e.use_stderr() {
+        // a closed pipe is no error
+        e.print().ok();
+        return Ok(DONE);
+    }
+    if e.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return Err("no command is given; try --help".into());
+    }
+    let text = e.to_string();
+    let told = text.split("\n\nUsage:").next().unwrap_or_default();
+    let what: Vec<&str> = told.split_whitespace().filter(|word| *word != "tip:").collect();
+    let what = what.join(" ");
+    let what = what.trim_start_matches("error: ").trim_end_matches(" For more information, try '--help'.");
+    Err(format!("{what}; try --help"))
+}
+
+/// Print a line to stderr; a closed pipe is no error.
+pub(crate) fn tell(line: impl std::fmt::Display) {
+    use std::io::Write;
+    writeln!(std::io::stderr(), "{line}").ok();
 }
 
 /// Print a line to stdout; a closed pipe is no error.

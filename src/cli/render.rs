@@ -1,10 +1,11 @@
 //! `joton render SCENE`.
 
-use super::{DONE, INTERRUPTED, device};
+use super::{DONE, INTERRUPTED, device, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use joton::backend::Backend;
-use joton::output::{display, exr, png};
+use joton::film;
+use joton::output::{self, display, exr, png};
 use joton::pack::PackedScene;
 use joton::paths::LightPaths;
 use joton::plan::{Plan, Settings};
@@ -73,9 +74,10 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let begin = Instant::now();
     let stop = checked_stop(a)?;
     let outputs = if a.output.is_empty() { default_outputs(&a.scene) } else { a.output.clone() };
-    for path in outputs.iter().chain(&a.report) {
-        check_output(path, a.report.as_ref() == Some(path))?;
+    for path in &outputs {
+        kind_of(path)?;
     }
+    check_outputs(&a.scene, outputs.iter().chain(&a.report))?;
     let mut settings = Settings { seed: a.seed, shadow_rays: a.shadow_rays, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
@@ -86,12 +88,13 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     }
     let say = |line: &str| {
         if !a.quiet {
-            eprintln!("joton: {line}");
+            tell(format_args!("joton: {line}"));
         }
     };
     for warning in &scene.warnings {
         say(&format!("warning: {warning}"));
     }
+    film::check_memory(scene.size)?;
     let packed = Arc::new(PackedScene::new(&scene));
     let plan = Plan::new(&packed, settings);
     let (mut backend, device) = device::open(&a.device, a.reference, &packed, &plan)?;
@@ -102,15 +105,19 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
 
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
-    ctrlc::set_handler(move || flag.store(true, Ordering::SeqCst)).ok();
+    // the first Ctrl-C lets the batch end and saves, a second one does not wait
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::SeqCst) {
+            std::process::exit(INTERRUPTED.into());
+        }
+    })
+    .ok();
     let bar = if a.quiet { ProgressBar::hidden() } else { progress_bar() };
     let setup_seconds = begin.elapsed().as_secs_f64();
-    let cpu = cpu_time::ProcessTime::now();
     let rendered = render(backend.as_mut(), packed.size, stop, |p| {
         show(&bar, p);
         !interrupted.load(Ordering::SeqCst)
     })?;
-    let cpu_seconds = cpu.elapsed().as_secs_f64();
     bar.finish_and_clear();
 
     let reason = match rendered.reason {
@@ -125,24 +132,26 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
 
     let comment = format!("{}, seed {}, {} passes", a.scene.display(), a.seed, rendered.passes);
     let look = display::Display { exposure: a.exposure, transform: a.transform };
+    // where one file cannot be written, the others still are
+    let mut saved = Ok(());
     for path in &outputs {
-        match kind_of(path)? {
-            Kind::Exr => exr::write_picture(path, &rendered.picture, &comment)?,
-            Kind::Png => png::write_image(path, &rendered.picture.whole, &look)?,
-        }
+        saved = saved.and(match kind_of(path)? {
+            Kind::Exr => exr::write_picture(path, &rendered.picture, &comment),
+            Kind::Png => png::write_image(path, &rendered.picture.whole, &look),
+        });
     }
     if let Some(path) = &a.report {
         let around = Circumstances {
             device,
             setup_seconds,
-            cpu_seconds,
             kernels: kernel_times(backend.as_ref()),
             warnings: scene.warnings.clone(),
         };
         let report = Report::new(&rendered, &packed, &plan, around);
         let text = serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e))?;
-        std::fs::write(path, text + "\n").map_err(|e| Error::io(path, "write", e))?;
+        saved = saved.and(output::write_text(path, &(text + "\n")));
     }
+    saved?;
     Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
 }
 
@@ -177,18 +186,24 @@ fn default_outputs(scene: &Path) -> Vec<PathBuf> {
     vec![stem.with_extension("png"), stem.with_extension("exr")]
 }
 
-/// Find out before rendering whether a file can be written at its end.
-fn check_output(path: &Path, is_report: bool) -> Result<()> {
-    if !is_report {
-        kind_of(path)?;
-    }
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
+/// Find out before rendering whether all files can be written, and that none is written over another.
+fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
+    // one name for each file, whether it exists or not
+    let real = |path: &Path| {
+        path.canonicalize().ok().or_else(|| {
+            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            Some(folder.canonicalize().ok()?.join(path.file_name()?))
+        })
     };
-    if !folder.is_dir() {
-        let what = format!("{}: the folder {} does not exist", path.display(), folder.display());
-        return Err(Error::usage(what, "create it first"));
+    let mut taken: Vec<PathBuf> = real(scene).into_iter().collect();
+    for path in files {
+        output::check_writable(path)?;
+        let Some(name) = real(path).filter(|p| p.is_file() || !p.exists()) else { continue };
+        if taken.contains(&name) {
+            let what = format!("{}: is the scene or named for output twice", path.display());
+            return Err(Error::usage(what, "give each file a name of its own"));
+        }
+        taken.push(name);
     }
     Ok(())
 }
@@ -205,7 +220,8 @@ fn checked_stop(a: &RenderArguments) -> Result<Stop> {
     Ok(Stop { passes: a.passes, seconds: a.time, error: a.error })
 }
 
-fn parse_size(text: &str) -> std::result::Result<[u32; 2], String> {
+/// WxH, 1 to 65,536 each.
+pub(super) fn parse_size(text: &str) -> std::result::Result<[u32; 2], String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     match parsed {
         Some([w, h]) if w > 0 && h > 0 && w <= 65_536 && h <= 65_536 => Ok([w, h]),
@@ -222,7 +238,7 @@ fn progress_bar() -> ProgressBar {
     bar
 }
 
-fn show(bar: &ProgressBar, p: &Progress) {
+fn show(bar: &ProgressBar, p: &Progress<'_>) {
     bar.set_position((p.done * 1000.0) as u64);
     let error = p.error.map_or(String::new(), |e| format!("  error {:.2} %", e * 100.0));
     let eta = if p.done > 0.02 {

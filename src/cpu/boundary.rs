@@ -78,7 +78,7 @@ fn moments(map: &AreaMap, w: &Window) -> [f32; 6] {
     let mut sums = [Vec4::ZERO; 6];
     map.tree.visit(w.center, w.radius_squared, |quads| {
         for four in &map.fours[quads] {
-            let (inside, d) = w.accept_either_side(four);
+            let (inside, d) = w.accept_area(four);
             if !inside.any() {
                 continue;
             }

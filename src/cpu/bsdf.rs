@@ -1,7 +1,7 @@
 //! What happens at a surface: Fresnel, the D lobes (Lambert and glossy Phong), the S lobes. Twin: shaders/shared/bsdf.wgsl.
 //!
-//! f_r(wi, wo) = diffuse/π + glossy (e + 2)/2π cosᵉα, α between wo and the mirror direction of wi (Lafortune & Willems
-//! 1994). Symmetric in wi and wo, so eye paths and jotons sample the same functions.
+//! f_r(wi, wo) = diffuse/π + glossy (e + 2)/2π cosᵉα, α between wo and the mirror direction of wi [E6] (Lafortune &
+//! Willems 1994). Symmetric in wi and wo, so eye paths and jotons sample the same functions.
 
 use super::ray::Surface;
 use super::sampling::{cosine_hemisphere, phong_lobe, to_world};
@@ -10,7 +10,7 @@ use crate::pack::PackedMaterial;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Unpolarised reflectance of a dielectric boundary; `eta` = n_t / n_i. 1 at total reflection.
+/// Unpolarised reflectance of a dielectric boundary [E8]; `eta` = n_t / n_i. 1 at total reflection.
 pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
     let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
     if sin2_t >= 1.0 {

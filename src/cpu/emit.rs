@@ -46,7 +46,7 @@ pub(super) fn place_on(e: &PackedEmitter, u: [f32; 2]) -> (Vec3, Vec3) {
     (lift(e.origin + e.e1 * b + e.e2 * c, normal, &shape), normal)
 }
 
-/// Falloff of a spot: 1 inside the inner cone, cubic smoothstep of the cosine to 0 at the outer.
+/// Falloff of a spot: 1 inside the inner cone, cubic smoothstep of the cosine to 0 at the outer [E12].
 pub(super) fn falloff(e: &PackedEmitter, direction: Vec3) -> f32 {
     let (inner, outer) = (e.e2.x, e.e2.y);
     let cos = direction.dot(e.e1);

@@ -2,7 +2,7 @@
 
 use super::bsdf::{Boundary, reflectance_d, sample_mirror};
 use super::ray::{Ray, Surface};
-use super::streams::{DIMENSION_EYE, STREAM_JITTER};
+use super::streams::{DIMENSION_EYE, STREAM_CHOICE, STREAM_JITTER};
 use super::trace::{CERTAIN_EVENTS, EVENTS_MAX, SURVIVAL};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
@@ -18,6 +18,8 @@ pub(super) struct GatherPoint<'a> {
     pub(super) position: Vec3,
     /// Unit geometric normal.
     pub(super) ng: Vec3,
+    /// `ng` is the triangle's front normal, not its back's.
+    pub(super) front: bool,
     /// Unit shading normal.
     pub(super) ns: Vec3,
     /// Unit vector toward the eye, back along the chain.
@@ -42,13 +44,23 @@ pub(super) struct EyePath<'a> {
 
 /// The camera's ray of a pixel in a pass; box filter one pixel wide.
 pub(super) fn camera_ray(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -> Ray {
-    let [jx, jy] = sobol2(pass, sequence_seed(seed, pixel, STREAM_JITTER));
+    ray_through(scene, pixel, sobol2(pass, sequence_seed(seed, pixel, STREAM_JITTER)))
+}
+
+/// The camera's ray through a place in a pixel.
+pub(super) fn ray_through(scene: &PackedScene, pixel: u32, [jx, jy]: [f32; 2]) -> Ray {
     let [width, height] = scene.size;
     let x = ((pixel % width) as f32 + jx) / width as f32;
     let y = ((pixel / width) as f32 + jy) / height as f32;
     let c = &scene.camera;
     let direction = c.forward + c.right * (2.0 * x - 1.0) + c.up * (1.0 - 2.0 * y);
     Ray { origin: c.eye, direction: direction.normalize() }
+}
+
+/// True where emission is wanted that is seen through `chain` specular events (E S* L).
+pub(super) fn wants_emission(plan: &Plan, chain: u32) -> bool {
+    !plan.features.path_filter
+        || plan.settings.paths.accept_mask_after_specular(chain) >> LightPaths::START & 1 == 1
 }
 
 /// Follow a pixel's ray to the first D event.
@@ -61,22 +73,21 @@ pub(super) fn follow<'a>(
 ) -> EyePath<'a> {
     let settings = &plan.settings;
     let mut ray = camera_ray(scene, settings.seed, pixel, pass);
+    // the first choices of way cover their square evenly over the passes: most of a glass ball's noise is theirs
+    let choices = sobol2(pass, sequence_seed(settings.seed, pixel, STREAM_CHOICE));
     let (mut throughput, mut length) = ([1.0; 3], 0.0);
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;
         let Some(s) = Surface::hit(scene, &ray) else { return path };
         length += s.distance;
-        if s.front
-            && s.flags().is_emissive()
-            && (!plan.features.path_filter
-                || settings.paths.accept_mask_after_specular(chain) >> LightPaths::START & 1 == 1)
-        {
+        if s.front && s.flags().is_emissive() && wants_emission(plan, chain) {
             path.emission = add(&path.emission, &mul(&throughput, &s.material.emission));
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
+        let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
         let on = if s.flags().is_dielectric() {
-            cross(&s, &mut throughput, u_way)
+            cross(&s, &mut throughput, u_way, Split::ByFlux)
         } else {
             let weight_d = max(&mul(&throughput, &reflectance_d(s.material)));
             let weight_s = max(&mul(&throughput, &s.material.specular));
@@ -89,6 +100,7 @@ pub(super) fn follow<'a>(
                 path.gather_point = Some(GatherPoint {
                     position: s.position,
                     ng: s.ng,
+                    front: s.front,
                     ns: s.ns,
                     wo: s.back,
                     throughput: scale(&throughput, 1.0 / p_d),
@@ -115,8 +127,17 @@ pub(super) fn follow<'a>(
     path
 }
 
-/// Through a dielectric boundary or off it. Radiance scales by (η_i/η_t)² on crossing; a joton's flux does not.
-fn cross(s: &Surface, throughput: &mut Bands, u: f32) -> Option<Vec3> {
+/// How often each branch of a dielectric boundary is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Split {
+    /// As its share of what the path carries.
+    ByFlux,
+    /// Both alike, however little one carries.
+    Even,
+}
+
+/// Through a dielectric boundary or off it. Radiance scales by (η_i/η_t)² on crossing [E9]; a joton's flux does not.
+pub(super) fn cross(s: &Surface, throughput: &mut Bands, u: f32, split: Split) -> Option<Vec3> {
     let b = Boundary::at(s);
     let reflected = scale(&mul(throughput, &s.material.specular), b.fresnel);
     let transmitted = scale(&mul(throughput, &s.material.transmission), 1.0 - b.fresnel);
@@ -124,7 +145,7 @@ fn cross(s: &Surface, throughput: &mut Bands, u: f32) -> Option<Vec3> {
     if r + t <= 0.0 {
         return None;
     }
-    let p = r / (r + t);
+    let p = if split == Split::Even && r > 0.0 && t > 0.0 { 0.5 } else { r / (r + t) };
     if u < p {
         *throughput = scale(&reflected, 1.0 / p);
         Some(b.reflected)

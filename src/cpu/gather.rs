@@ -8,7 +8,7 @@ use super::kd_tree::{EMPTY, LANES};
 use super::maps::{Four, JotonMap};
 use super::sampling::basis;
 use crate::bands::{BANDS, Bands, add, mul, scale};
-use crate::layout::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
+use crate::layout::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE, GATHER_SHEET_SHARE};
 use glam::{BVec4A, Vec3, Vec4};
 use std::f32::consts::FRAC_1_PI;
 
@@ -18,8 +18,12 @@ pub(super) struct Window {
     pub(super) center: Vec3,
     pub(super) radius_squared: f32,
     normal: Vec3,
+    /// Unit front normal of the gather point's triangle, `normal` or its opposite.
+    front: Vec3,
     tangents: [Vec3; 2],
     plane_max: f32,
+    /// Likewise for area points of the opposite orientation.
+    sheet_max: f32,
 }
 
 fn dot(a: &[Vec4; 3], b: Vec3) -> Vec4 {
@@ -29,36 +33,44 @@ fn dot(a: &[Vec4; 3], b: Vec3) -> Vec4 {
 impl Window {
     pub(super) fn new(g: &GatherPoint, radius_squared: f32) -> Self {
         let (t0, t1) = basis(g.ng);
+        let radius = radius_squared.sqrt();
         Self {
             center: g.position,
             radius_squared,
             normal: g.ng,
+            front: if g.front { g.ng } else { -g.ng },
             tangents: [t0, t1],
-            plane_max: GATHER_PLANE_SHARE * radius_squared.sqrt(),
+            plane_max: GATHER_PLANE_SHARE * radius,
+            sheet_max: GATHER_SHEET_SHARE * radius,
         }
     }
 
+    /// Offsets, which are within the radius, and their distances from the plane.
     #[inline(always)]
-    fn near(&self, four: &Four) -> (BVec4A, [Vec4; 3]) {
+    fn near(&self, four: &Four) -> (BVec4A, [Vec4; 3], Vec4) {
         let d: [Vec4; 3] = std::array::from_fn(|c| four.position[c] - Vec4::splat(self.center[c]));
         let distance_squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        let near = distance_squared.cmplt(Vec4::splat(self.radius_squared))
-            & dot(&d, self.normal).abs().cmplt(Vec4::splat(self.plane_max));
-        (near, d)
+        (distance_squared.cmplt(Vec4::splat(self.radius_squared)), d, dot(&d, self.normal).abs())
     }
 
     /// Which of four jotons count, and their offsets.
     #[inline(always)]
     pub(super) fn accept(&self, four: &Four) -> (BVec4A, [Vec4; 3]) {
-        let (near, d) = self.near(four);
-        (near & dot(&four.normal, self.normal).cmpgt(Vec4::splat(GATHER_NORMAL_COS)), d)
+        let (near, d, height) = self.near(four);
+        let facing = dot(&four.normal, self.normal).cmpgt(Vec4::splat(GATHER_NORMAL_COS));
+        (near & height.cmplt(Vec4::splat(self.plane_max)) & facing, d)
     }
 
-    /// Which of four area points count: they stand for both sides of their surface.
+    /// Which of four area points count: they stand for both sides of their surface. Of the opposite orientation only in
+    /// the plane itself: a neighbour wound the other way round counts, the other sheet of a thin board does not.
     #[inline(always)]
-    pub(super) fn accept_either_side(&self, four: &Four) -> (BVec4A, [Vec4; 3]) {
-        let (near, d) = self.near(four);
-        (near & dot(&four.normal, self.normal).abs().cmpgt(Vec4::splat(GATHER_NORMAL_COS)), d)
+    pub(super) fn accept_area(&self, four: &Four) -> (BVec4A, [Vec4; 3]) {
+        let (near, d, height) = self.near(four);
+        let facing = dot(&four.normal, self.front);
+        let same = facing.cmpgt(Vec4::splat(GATHER_NORMAL_COS)) & height.cmplt(Vec4::splat(self.plane_max));
+        let opposite =
+            facing.cmplt(Vec4::splat(-GATHER_NORMAL_COS)) & height.cmplt(Vec4::splat(self.sheet_max));
+        (near & (same | opposite), d)
     }
 
     /// Tangent coordinates of offsets.

@@ -10,6 +10,7 @@ mod direct;
 mod emit;
 mod eye;
 mod gather;
+mod glint;
 mod kd_tree;
 mod maps;
 mod path_tracer;
@@ -39,7 +40,7 @@ const PASSES_PER_SCATTER: u64 = 16;
 const AREA_POINTS_PER_DISC: f64 = 250.0;
 /// Most area points.
 const AREA_POINTS_MAX: f64 = 2e6;
-/// The pass whose jotons choose the caustic radii; not part of the image.
+/// The pass whose jotons choose the caustic radii and whose chains mark glints; not part of the image.
 const PILOT_PASS: u32 = u32::MAX;
 
 /// Renders passes of a plan on this machine's threads.
@@ -48,6 +49,8 @@ pub struct CpuBackend {
     plan: Plan,
     /// Squared caustic radius of each pixel in the first pass; empty until it is needed.
     caustic_base: Vec<f32>,
+    /// Whether each pixel's emission is left to glint chains; empty until it is needed.
+    glints: Vec<bool>,
     area: Option<Area>,
 }
 
@@ -69,6 +72,8 @@ struct Pass<'a> {
     diffuse: JotonMap,
     area: Option<&'a AreaMap>,
     caustic_base: &'a [f32],
+    /// Whether each pixel's emission is left to glint chains; empty where no emission is traced.
+    glints: &'a [bool],
     /// Factor on the squared caustic radius.
     caustic_shrink: f32,
     /// Radius of the diffuse map.
@@ -80,7 +85,7 @@ struct Pass<'a> {
 impl CpuBackend {
     /// A backend for a scene and its plan, on the threads of rayon's current pool.
     pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
-        Self { scene, plan, caustic_base: Vec::new(), area: None }
+        Self { scene, plan, caustic_base: Vec::new(), glints: Vec::new(), area: None }
     }
 
     /// Scatter new area points where `pass` belongs to another group than the last; survey them once they are used
@@ -133,6 +138,7 @@ impl CpuBackend {
             diffuse,
             area: area.map(|a| &a.map),
             caustic_base: &self.caustic_base,
+            glints: &self.glints,
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
             diffuse_radius,
             interiors: area.filter(|_| known).map_or(&[][..], |a| &a.interiors[..]),
@@ -152,6 +158,9 @@ impl Backend for CpuBackend {
             let jotons = trace::jotons(&self.scene, &self.plan, PILOT_PASS, true, &mut Tally::default());
             self.caustic_base =
                 pixels::caustic_base(&self.scene, &self.plan, PILOT_PASS, &JotonMap::new(jotons));
+        }
+        if self.plan.traces(Layer::Emission) && self.glints.is_empty() {
+            self.glints = glint::mark(&self.scene, self.plan.settings.seed, PILOT_PASS);
         }
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
         for pass in first..first + u64::from(count) {

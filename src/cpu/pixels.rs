@@ -3,7 +3,7 @@
 use super::boundary::{Interior, Weights, weights};
 use super::gather::{Window, count, radiance};
 use super::maps::{AreaMap, JotonMap};
-use super::{Pass, direct, eye};
+use super::{Pass, direct, eye, glint};
 use crate::backend::Tally;
 use crate::bands::{Bands, add};
 use crate::film::{LAYERS, Layer};
@@ -71,7 +71,11 @@ fn one(pass: &Pass, pixel: u32, tally: &mut Tally) -> [Bands; LAYERS] {
     let mut out = [[0.0; crate::bands::BANDS]; LAYERS];
     let path = eye::follow(scene, plan, pixel, pass.index, tally);
     if plan.traces(Layer::Emission) {
-        out[Layer::Emission as usize] = path.emission;
+        out[Layer::Emission as usize] = if pass.glints[pixel as usize] {
+            glint::emission(scene, plan, pixel, pass.index, tally)
+        } else {
+            path.emission
+        };
     }
     let Some(g) = path.gather_point else { return out };
     let paths = &plan.settings.paths;
@@ -127,7 +131,7 @@ fn caustic_limits(scene: &PackedScene, plan: &Plan, g: &eye::GatherPoint) -> [f3
 }
 
 /// The caustic radius of each pixel in the first pass, from the jotons counted in a pilot:
-/// r = clamp(r_max √(K/k), r_min, r_max), k the mean count at r_max over 3×3 pixels.
+/// r = clamp(r_max √(K/k), r_min, r_max), k the mean count at r_max over 3×3 pixels [E14].
 pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, pass: u32, map: &JotonMap) -> Vec<f32> {
     let [width, height] = scene.size;
     let found: Vec<Option<(u32, [f32; 2])>> = (0..scene.pixels() as u32)

@@ -17,6 +17,12 @@ pub(super) const STREAM_DIFFUSE_PLACE: u32 = 4;
 pub(super) const STREAM_DIFFUSE_DIRECTION: u32 = 5;
 /// Shift of the lattice of area points.
 pub(super) const STREAM_AREA: u32 = 6;
+/// First two events of the camera's specular chain; one sequence a pixel.
+pub(super) const STREAM_CHOICE: u32 = 7;
+/// Place in the pixel of a glint's chains.
+pub(super) const STREAM_GLINT_JITTER: u32 = 8;
+/// First two events of a glint's chains.
+pub(super) const STREAM_GLINT_CHOICE: u32 = 9;
 
 /// Events of the camera's specular chain.
 pub(super) const DIMENSION_EYE: u32 = 1 << 16;
@@ -28,3 +34,5 @@ pub(super) const DIMENSION_CAUSTIC: u32 = 3 << 16;
 pub(super) const DIMENSION_DIFFUSE: u32 = 4 << 16;
 /// The path tracer's events, four draws each.
 pub(super) const DIMENSION_PATH: u32 = 5 << 16;
+/// Events of a glint's chains.
+pub(super) const DIMENSION_GLINT: u32 = 6 << 16;

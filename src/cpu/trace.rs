@@ -224,7 +224,7 @@ impl Tracer<'_> {
     }
 }
 
-/// Veach's factor for an S event: the same as for a D event, so that jotons see the surface that the eye sees.
+/// Veach's factor for an S event [E11]: the same as for a D event, so that jotons see the surface that the eye sees.
 fn specular_adjoint(s: &Surface, w: glam::Vec3) -> f32 {
     let n = s.specular_normal();
     limited((s.back.dot(n) * w.dot(s.ng) / (s.back.dot(s.ng) * w.dot(n))).abs())

@@ -37,9 +37,13 @@ pub(super) fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
     ((POINTS_PER_DISC * discs) as usize).clamp(1, AREA_POINTS_MAX)
 }
 
-/// Scatter and sort points for discs of up to `radius`.
-pub(super) fn build(scene: &PackedScene, radius: f64, seed: u32) -> AreaGrid {
-    let (points, each) = scatter_area_points(scene, points_wanted(scene, radius), seed);
+/// Stream of the scatter's seeds; those of the kernels lie below.
+pub(super) const STREAM_AREA: u32 = 0x100;
+
+/// Scatter and sort points for discs of the largest to the smallest of `radii`: cells follow the one, numbers the other.
+pub(super) fn build(scene: &PackedScene, radii: [f64; 2], seed: u32) -> AreaGrid {
+    let [radius, smallest] = radii;
+    let (points, each) = scatter_area_points(scene, points_wanted(scene, smallest), seed);
     let extent = scene.bounds[1] - scene.bounds[0];
     let cells_per_unit = (CELLS_PER_RADIUS / radius as f32).min(30_000.0 / extent.max_element());
     let columns = (extent.x * cells_per_unit) as u32 + 1;

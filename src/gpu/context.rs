@@ -52,11 +52,11 @@ impl Context {
         let Some(adapter) = all.iter().find(wanted) else {
             let names: Vec<String> = all.iter().map(|a| a.get_info().name).collect();
             return Err(match name {
-                Some(n) if !names.is_empty() => Error::device(
+                Some(n) => Error::device(
                     format!("no device is called {n:?}"),
-                    format!("choose one of: {}, cpu", names.join(", ")),
+                    format!("choose one of: {}", [&names[..], &["cpu".into()]].concat().join(", ")),
                 ),
-                _ => Error::device(
+                None => Error::device(
                     "no Vulkan, Metal or DX12 device was found",
                     "install a driver (on Debian: apt-get install mesa-vulkan-drivers libvulkan1) or use --device cpu",
                 ),

@@ -2,8 +2,12 @@
 
 mod area;
 mod context;
+#[doc(hidden)]
+pub mod harness;
 mod kernel;
 mod map;
+mod pilot;
+mod pipelines;
 mod recorder;
 mod ring;
 mod scene_buffers;
@@ -11,29 +15,26 @@ mod shaders;
 
 pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
-pub use recorder::KernelSeconds;
 pub use shaders::{SOURCES, link, link_source};
 
 use crate::backend::{Backend, Batch, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
-use crate::film::{LAYERS, Layer};
-use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, PathFilter, TRAVERSAL_STACK, status};
+use crate::film::LAYERS;
+use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
-use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
-use map::{Kind, Map, MapKernels, Shape};
+use crate::plan::Plan;
+use crate::rng::sequence_seed;
+use map::{Kind, Shape};
+use pipelines::{Kernels, Steps};
 use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::sync::Arc;
 
-/// Random numbers of the pilot pass: those of no pass that is rendered.
-const PILOT_PASS: u32 = u32::MAX;
 /// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
 const JOTONS_PER_LANE_SOFTWARE: u32 = 32;
 /// On a GPU thousands of lanes run together.
 const JOTONS_PER_LANE: u32 = 4;
-/// Lanes that are tried before the first pass.
-const PROBE_LANES: u32 = 512;
 /// Room for lanes that store more than the pilot's fullest one.
 const CAPACITY_SLACK: f64 = 1.5;
 /// The area points are scattered anew after this many passes, so that their own error averages out.
@@ -63,30 +64,6 @@ pub struct GpuBackend {
     staging: Option<wgpu::Buffer>,
 }
 
-/// The compiled kernels.
-struct Kernels {
-    eye: Kernel,
-    glint: Option<[Kernel; 3]>,
-    direct: Option<Kernel>,
-    trace: [Option<Kernel>; 2],
-    gather: [Option<Kernel>; 2],
-    boundary: [Option<Kernel>; 2],
-    caustic_count: Option<Kernel>,
-    caustic_radius: Option<Kernel>,
-    map: Option<MapKernels>,
-}
-
-/// The kernels with their buffers.
-struct Steps {
-    eye: Step,
-    /// Of a pass, of the pilot, and the marking of pixels.
-    glint: Option<[Step; 3]>,
-    direct: Option<Step>,
-    boundary: Option<[Step; 2]>,
-    maps: Vec<(Map, Step)>,
-    pilot: Option<[Step; 2]>,
-}
-
 /// How each map is cut into lanes; none where it is skipped.
 #[derive(Clone, Copy)]
 struct Shapes {
@@ -96,8 +73,8 @@ struct Shapes {
 
 /// The area points that are on the device.
 struct AreaState {
-    first_pass: u64,
-    radius: f64,
+    /// Number of the group of passes that they are for.
+    group: u64,
     each: f32,
     cells_per_unit: f32,
     row_mask: u32,
@@ -143,59 +120,8 @@ impl GpuBackend {
             timer: None,
             staging: None,
         };
-        backend.shape_lanes()?;
-        backend.mark_glints()?;
-        backend.choose_caustic_radii()?;
-        backend.find_edges()?;
-        backend.warm_up()?;
+        backend.run_pilot()?;
         Ok(backend)
-    }
-
-    /// Find out how often the trace kernel must be dispatched and how much a lane stores, by tracing the pilot pass.
-    fn shape_lanes(&mut self) -> Result<()> {
-        // a part of the lanes tells as much as all of them
-        let whole = self.shapes;
-        for kind in [Kind::Caustic, Kind::Diffuse] {
-            if let Some(shape) = self.shapes.of_mut(kind) {
-                let part = f64::from(PROBE_LANES.min(shape.lanes)) / f64::from(shape.lanes);
-                shape.lanes = PROBE_LANES.min(shape.lanes);
-                shape.emitted = (f64::from(shape.emitted) * part).ceil() as u32;
-            }
-        }
-        loop {
-            self.bind()?;
-            let mut settled = true;
-            for kind in [Kind::Caustic, Kind::Diffuse] {
-                let Some(shape) = self.shapes.of(kind) else { continue };
-                let found = self.pilot_map(kind, false)?;
-                let stored = found[status::LANE_STORED_MAX as usize];
-                let mut wanted = shape;
-                if found[status::UNFINISHED as usize] > 0 {
-                    wanted.dispatches = shape.dispatches * 2;
-                    settled = false;
-                    if wanted.dispatches > DISPATCHES_MAX {
-                        return Err(Error::device(
-                            "a joton's path does not end",
-                            "report this as a bug of joton",
-                        ));
-                    }
-                } else if stored > shape.lane_capacity {
-                    wanted.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32 + 4;
-                    settled = false;
-                }
-                *self.shapes.of_mut(kind) = Some(wanted);
-            }
-            if settled {
-                // one dispatch more than the pilot needed: other passes take a little longer
-                for kind in [Kind::Caustic, Kind::Diffuse] {
-                    if let (Some(shape), Some(whole)) = (self.shapes.of_mut(kind), whole.of(kind)) {
-                        shape.dispatches += 1 + shape.dispatches / 2;
-                        (shape.lanes, shape.emitted) = (whole.lanes, whole.emitted);
-                    }
-                }
-                return self.bind();
-            }
-        }
     }
 
     /// (Re)create the buffers that depend on the shapes, and bind every step.
@@ -224,49 +150,7 @@ impl GpuBackend {
             self.buffers.insert("area_points", scene_buffers::storage(context, "area_points", 16));
         }
         context.check()?;
-        let (kernels, buffers) = (&self.kernels, &self.buffers);
-        let mut maps = Vec::new();
-        for (kind, film, fits) in
-            [(Kind::Caustic, "film_caustic", "radii"), (Kind::Diffuse, "film_diffuse", "fits")]
-        {
-            let i = kind as usize;
-            if let (Some(shape), Some(trace), Some(gather), Some(map)) =
-                (self.shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
-            {
-                let gather = gather.bind(context, buffers, &[("film", film), ("fits", fits)])?;
-                maps.push((Map::new(context, kind, shape, trace, map, buffers)?, gather));
-            }
-        }
-        let optional = |k: &Option<Kernel>, names: &[(&str, &'static str)]| {
-            k.as_ref().map(|k| k.bind(context, buffers, names)).transpose()
-        };
-        let pilot = match (&kernels.caustic_count, &kernels.caustic_radius) {
-            (Some(count), Some(radius)) => Some([
-                count.bind(context, buffers, &[])?,
-                radius.bind(context, buffers, &[("fits", "radii")])?,
-            ]),
-            _ => None,
-        };
-        self.steps = Some(Steps {
-            eye: kernels.eye.bind(context, buffers, &[])?,
-            glint: match &kernels.glint {
-                Some([pass, pilot, mark]) => Some([
-                    pass.bind(context, buffers, &[("film", "film_emission")])?,
-                    pilot.bind(context, buffers, &[("film", "radii")])?,
-                    mark.bind(context, buffers, &[("glints", "radii")])?,
-                ]),
-                None => None,
-            },
-            direct: optional(&kernels.direct, &[])?,
-            boundary: match &kernels.boundary {
-                [Some(pass), Some(pilot)] => {
-                    Some([pass.bind(context, buffers, &[])?, pilot.bind(context, buffers, &[])?])
-                }
-                _ => None,
-            },
-            maps,
-            pilot,
-        });
+        self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, &self.buffers)?);
         Ok(())
     }
 
@@ -303,47 +187,17 @@ impl GpuBackend {
         info
     }
 
-    /// Fill one map from the pilot pass and, with `radii`, choose the caustic radii from it; the status words.
-    fn pilot_map(&mut self, kind: Kind, radii: bool) -> Result<Vec<u32>> {
-        let Some(steps) = &self.steps else { return Ok(vec![0; status::SLOTS as usize]) };
-        let Some((map, _)) = steps.maps.iter().find(|(m, _)| m.kind == kind) else {
-            return Ok(vec![0; status::SLOTS as usize]);
-        };
-        let pass = self.pass_info(PILOT_PASS);
-        let info = self.map_info(kind, 0, PILOT_PASS);
-        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
-        let pass_info = recorder.ring.push(&pass);
-        recorder.clear(&self.buffers["lanes"]);
-        recorder.clear(&self.buffers["status"]);
-        map.record(&mut recorder, pass_info, &info);
-        if let (true, Some([count, radius])) = (radii, &steps.pilot) {
-            let map_info = recorder.ring.push(&info);
-            let at = [("pass_info", pass_info), ("map_info", map_info)];
-            let pixels = self.scene.pixels() as u32;
-            recorder.dispatch(&steps.eye, &at, pixels);
-            recorder.dispatch(count, &at, pixels);
-            recorder.dispatch(radius, &at, pixels);
-        }
-        recorder.submit(&self.context, &self.buffers["ring"]);
-        let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
-        Ok(bytemuck::pod_collect_to_vec(&words[0]))
-    }
-
-    fn choose_caustic_radii(&mut self) -> Result<()> {
-        if self.shapes.caustic.is_some() {
-            self.pilot_map(Kind::Caustic, true)?;
-        }
-        Ok(())
-    }
-
-    /// Put fresh area points on the device where those there are old or too sparse for the radius of `pass`.
+    /// Put on the device the area points of the group of passes that `pass` belongs to. They depend on the group and the
+    /// seed, not on what was rendered before: passes stay independent.
     fn renew_area_points(&mut self, pass: u64) -> Result<()> {
-        let radius = self.plan.diffuse.radius(pass);
-        if self.area.as_ref().is_some_and(|a| pass.abs_diff(a.first_pass) < AREA_PASSES && a.radius >= radius)
-        {
+        let group = pass / AREA_PASSES;
+        if self.area.as_ref().is_some_and(|a| a.group == group) {
             return Ok(());
         }
-        let grid = area::build(&self.scene, radius, pass as u32);
+        let radius = |pass| self.plan.diffuse.radius(pass);
+        let radii = [radius(group * AREA_PASSES), radius((group + 1) * AREA_PASSES - 1)];
+        let seed = sequence_seed(self.plan.settings.seed, group as u32, area::STREAM_AREA);
+        let grid = area::build(&self.scene, radii, seed);
         let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
         if self.buffers["area_points"].size() < bytes.len() as u64 {
             let size = (bytes.len() as u64 * 2).min(area::AREA_POINTS_MAX as u64 * 16 + 16);
@@ -353,59 +207,13 @@ impl GpuBackend {
         self.context.queue.write_buffer(&self.buffers["area_points"], 0, bytes);
         self.context.queue.write_buffer(&self.buffers["area_starts"], 0, bytemuck::cast_slice(&grid.starts));
         self.area = Some(AreaState {
-            first_pass: pass,
-            radius,
+            group,
             each: grid.each,
             cells_per_unit: grid.cells_per_unit,
             row_mask: grid.row_mask,
             columns: grid.columns,
         });
         Ok(())
-    }
-
-    /// Mark the pixels that see emission in a part only, or through specular surfaces.
-    fn mark_glints(&mut self) -> Result<()> {
-        let pass = self.pass_info(PILOT_PASS);
-        let Some(Steps { glint: Some([_, pilot, mark]), .. }) = &self.steps else { return Ok(()) };
-        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
-        let at = [("pass_info", recorder.ring.push(&pass))];
-        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
-        recorder.dispatch(mark, &at, self.scene.pixels() as u32);
-        recorder.submit(&self.context, &self.buffers["ring"]);
-        self.context.wait()
-    }
-
-    /// Run every kernel of a pass on nothing: drivers compile at the first dispatch, and that is set-up.
-    fn warm_up(&mut self) -> Result<()> {
-        let Some(steps) = &self.steps else { return Ok(()) };
-        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
-        let nothing: PassInfo = bytemuck::Zeroable::zeroed();
-        let no_map: MapInfo = bytemuck::Zeroable::zeroed();
-        let at = [("pass_info", recorder.ring.push(&nothing)), ("map_info", recorder.ring.push(&no_map))];
-        let kernels = [&steps.eye].into_iter().chain(&steps.direct).chain(steps.glint.iter().flatten());
-        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(steps.boundary.iter().flatten());
-        for step in kernels.chain(maps) {
-            recorder.dispatch(step, &at, 1);
-        }
-        recorder.submit(&self.context, &self.buffers["ring"]);
-        self.context.wait()
-    }
-
-    /// Find the pixels whose discs are cut by edges, once, with the largest radius.
-    fn find_edges(&mut self) -> Result<()> {
-        if self.shapes.diffuse.is_none() {
-            return Ok(());
-        }
-        self.renew_area_points(0)?;
-        let pass = self.pass_info(PILOT_PASS);
-        let info = self.map_info(Kind::Diffuse, 0, PILOT_PASS);
-        let Some(Steps { eye, boundary: Some([_, pilot]), .. }) = &self.steps else { return Ok(()) };
-        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
-        let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
-        recorder.dispatch(eye, &at, self.scene.pixels() as u32);
-        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
-        recorder.submit(&self.context, &self.buffers["ring"]);
-        self.context.wait()
     }
 
     /// Record and submit one pass.
@@ -588,79 +396,4 @@ impl Shapes {
             Kind::Diffuse => &mut self.diffuse,
         }
     }
-}
-
-impl Kernels {
-    fn new(context: &Context, plan: &Plan) -> Result<Self> {
-        let f = &plan.features;
-        let flag = |on: bool| if on { 1.0 } else { 0.0 };
-        let features = [
-            ("HAS_SMOOTH", flag(f.smooth_normals)),
-            ("HAS_SPECULAR", flag(f.specular)),
-            ("HAS_DIELECTRIC", flag(f.dielectric)),
-            ("HAS_GLOSSY", flag(f.glossy)),
-            ("HAS_PATH_FILTER", flag(f.path_filter)),
-        ];
-        let compile = |path: &str| Kernel::new(context, path, "main", &features);
-        let with = |path: &str, caustic: bool| {
-            let mut overrides = features.to_vec();
-            overrides.push(("CAUSTIC", flag(caustic)));
-            Kernel::new(context, path, "main", &overrides)
-        };
-        let (caustic, diffuse) = (plan.traces(Layer::Caustic), plan.traces(Layer::Diffuse));
-        let optional = |on: bool, k: &dyn Fn() -> Result<Kernel>| on.then(k).transpose();
-        let pilot = [
-            ("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])),
-            ("RADIUS_FOOTPRINTS_MIN", f64::from(CAUSTIC_FOOTPRINTS[0])),
-            ("WANTED", f64::from(CAUSTIC_WANTED)),
-        ];
-        Ok(Self {
-            eye: compile("eye.wgsl")?,
-            glint: if plan.traces(Layer::Emission) {
-                let mut pilot = features.to_vec();
-                pilot.push(("PILOT", 1.0));
-                Some([
-                    compile("glint.wgsl")?,
-                    Kernel::new(context, "glint.wgsl", "main", &pilot)?,
-                    compile("glint_mark.wgsl")?,
-                ])
-            } else {
-                None
-            },
-            direct: optional(plan.traces(Layer::Direct), &|| compile("direct.wgsl"))?,
-            trace: [
-                optional(caustic, &|| with("trace.wgsl", true))?,
-                optional(diffuse, &|| with("trace.wgsl", false))?,
-            ],
-            gather: [
-                optional(caustic, &|| with("gather.wgsl", true))?,
-                optional(diffuse, &|| with("gather.wgsl", false))?,
-            ],
-            boundary: [
-                optional(diffuse, &|| compile("boundary.wgsl"))?,
-                optional(diffuse, &|| Kernel::new(context, "boundary.wgsl", "main", &[("PILOT", 1.0)]))?,
-            ],
-            caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
-            caustic_radius: optional(caustic, &|| {
-                Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)
-            })?,
-            map: (caustic || diffuse).then(|| MapKernels::new(context)).transpose()?,
-        })
-    }
-}
-
-/// The uniform of the path filter.
-fn path_filter(plan: &Plan) -> PathFilter {
-    let paths = &plan.settings.paths;
-    let mut filter = PathFilter { transitions: [[0; 4]; 16], accept: [[0; 4]; 16] };
-    for (state, next) in paths.transitions().into_iter().enumerate() {
-        for (event, to) in next.into_iter().enumerate() {
-            let word = 2 * state + event;
-            filter.transitions[word / 4][word % 4] = to;
-        }
-    }
-    for k in 0..64 {
-        filter.accept[k / 4][k % 4] = paths.accept_mask_after_specular(k as u32);
-    }
-    filter
 }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 const QUERIES: u32 = 4096;
 
 /// Seconds and dispatches of each kernel.
-pub type KernelSeconds = BTreeMap<String, (f64, u64)>;
+pub(super) type KernelSeconds = BTreeMap<String, (f64, u64)>;
 
 /// Measures kernels by timestamps.
 pub(super) struct Timer {

@@ -21,9 +21,14 @@ impl Ring {
 
     /// Append a uniform; its offset.
     pub(super) fn push<T: bytemuck::Pod>(&mut self, uniform: &T) -> u32 {
+        self.push_bytes(bytemuck::bytes_of(uniform))
+    }
+
+    /// Append the bytes of a uniform; its offset.
+    pub(super) fn push_bytes(&mut self, uniform: &[u8]) -> u32 {
         let at = self.bytes.len().next_multiple_of(self.alignment);
         self.bytes.resize(at, 0);
-        self.bytes.extend_from_slice(bytemuck::bytes_of(uniform));
+        self.bytes.extend_from_slice(uniform);
         assert!(self.bytes.len() <= self.capacity, "a submission has few passes");
         at as u32
     }

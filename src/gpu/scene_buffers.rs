@@ -3,11 +3,11 @@
 use super::context::Context;
 use super::kernel::Buffers;
 use super::map;
-use super::path_filter;
 use super::ring::RING_BYTES;
 use crate::error::Result;
-use crate::layout::AreaPoint;
+use crate::layout::{AreaPoint, PathFilter};
 use crate::pack::{PackedScene, Target};
+use crate::paths::LightPaths;
 use crate::plan::Plan;
 use glam::{Vec2, Vec3};
 
@@ -41,7 +41,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         context.queue.write_buffer(&buffer, 0, bytes);
         buffers.insert(name, buffer);
     }
-    let filter = path_filter(plan);
+    let filter = path_filter(&plan.settings.paths);
     for (name, bytes) in
         [("targets", bytemuck::bytes_of(&targets)), ("path_filter", bytemuck::bytes_of(&filter))]
     {
@@ -64,7 +64,8 @@ pub(super) fn storage(context: &Context, name: &'static str, size: u64) -> wgpu:
     })
 }
 
-fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
+/// A uniform buffer.
+pub(super) fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
     context.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(name),
         size,
@@ -74,7 +75,7 @@ fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
 }
 
 /// A unit vector in 32 bits, as shaders/shared/sampling.wgsl encodes it.
-pub(super) fn encode(n: Vec3) -> u32 {
+pub fn encode(n: Vec3) -> u32 {
     let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
     let e =
@@ -87,4 +88,19 @@ pub(super) fn encode(n: Vec3) -> u32 {
 pub(super) fn encode_area_point(p: &crate::pack::AreaPoint) -> AreaPoint {
     let [x, y, z] = p.normal.to_array().map(|c| u32::from((c * 127.0).round() as i8 as u8));
     AreaPoint { position: p.position, normal: x | y << 8 | z << 16 }
+}
+
+/// The uniform of the path filter.
+pub(super) fn path_filter(paths: &LightPaths) -> PathFilter {
+    let mut filter = PathFilter { transitions: [[0; 4]; 16], accept: [[0; 4]; 16] };
+    for (state, next) in paths.transitions().into_iter().enumerate() {
+        for (event, to) in next.into_iter().enumerate() {
+            let word = 2 * state + event;
+            filter.transitions[word / 4][word % 4] = to;
+        }
+    }
+    for k in 0..64 {
+        filter.accept[k / 4][k % 4] = paths.accept_mask_after_specular(k as u32);
+    }
+    filter
 }

@@ -1,6 +1,6 @@
 //! Files that are there whole or not at all: written beside their target, then renamed over it.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, words};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Cursor, Seek, Write};
@@ -25,20 +25,42 @@ pub(super) fn write_atomically(
         Ok(meta) if !meta.is_file() => {
             let mut bytes = Cursor::new(Vec::new());
             encode(&mut bytes).map_err(fail)?;
-            let mut device = OpenOptions::new().write(true).open(path).map_err(|e| fail(e.to_string()))?;
-            return device.write_all(bytes.get_ref()).map_err(|e| fail(e.to_string()));
+            let mut device = OpenOptions::new().write(true).open(path).map_err(|e| fail(words(&e)))?;
+            return device.write_all(bytes.get_ref()).map_err(|e| fail(words(&e)));
         }
         _ => {}
     }
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let (scratch, file) = Scratch::beside(&target).map_err(|e| fail(e.to_string()))?;
+    let (scratch, file) = Scratch::beside(&target).map_err(|e| fail(words(&e)))?;
     let mut buffered = BufWriter::new(file);
     encode(&mut buffered).map_err(fail)?;
-    let file = buffered.into_inner().map_err(|e| fail(e.to_string()))?;
+    let file = buffered.into_inner().map_err(|e| fail(words(e.error())))?;
     // On the disc before the name points to it: a crash leaves the old file or the new one, whole.
-    file.sync_all().map_err(|e| fail(e.to_string()))?;
+    file.sync_all().map_err(|e| fail(words(&e)))?;
     drop(file);
-    scratch.rename(&target).map_err(|e| fail(e.to_string()))
+    scratch.rename(&target).map_err(|e| fail(words(&e)))
+}
+
+/// Find out, before the work that fills it, whether a file can be written; nothing is changed.
+///
+/// # Errors
+/// [`Error::Io`] with what stands in the way.
+pub fn check_writable(path: &Path) -> Result<()> {
+    let fail = |what: String| Error::io(path, "write", what);
+    match fs::metadata(path) {
+        Ok(meta) if meta.is_dir() => return Err(fail("it is a folder; name a file".into())),
+        Ok(meta) if !meta.is_file() => return Ok(()),
+        _ => {}
+    }
+    let folder = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(fail(format!("the folder {} does not exist; create it first", folder.display())));
+    }
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    Scratch::beside(&target).map(drop).map_err(|e| fail(words(&e)))
 }
 
 /// A file that is removed unless it is renamed.

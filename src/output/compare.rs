@@ -9,7 +9,7 @@ use crate::film::Image;
 use std::path::Path;
 
 /// Added to the squared reference, (W/(m² sr))²: a black pixel must not weigh infinitely much.
-const OFFSET: f64 = 1e-2;
+pub(crate) const OFFSET: f64 = 1e-2;
 /// The share of the pixels, the worst, that the trimmed error leaves out.
 const TRIMMED: f64 = 1e-3;
 

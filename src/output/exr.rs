@@ -6,7 +6,7 @@
 
 use super::atomic::write_atomically;
 use crate::bands::BANDS;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, words};
 use crate::film::{Image, Layer, Picture};
 use exr::prelude as e;
 use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
@@ -88,7 +88,7 @@ fn write(
 /// channels are left aside.
 pub fn read_image(path: &Path) -> Result<Image> {
     let fail = |what: String| Error::io(path, "read", what);
-    let file = File::open(path).map_err(|x| fail(x.to_string()))?;
+    let file = File::open(path).map_err(|x| fail(words(&x)))?;
     let length = file.metadata().map_err(|x| fail(x.to_string()))?.len();
     let mut reader = BufReader::new(file);
     check_header(&mut reader, length).map_err(fail)?;

@@ -7,3 +7,13 @@ pub mod png;
 
 mod atomic;
 mod heatmap;
+
+pub use atomic::check_writable;
+
+/// Write a text file, whole or not at all.
+///
+/// # Errors
+/// [`crate::Error::Io`] where it cannot be written.
+pub fn write_text(path: &std::path::Path, text: &str) -> crate::Result<()> {
+    atomic::write_atomically(path, |sink| sink.write_all(text.as_bytes()).map_err(|e| e.to_string()))
+}

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Reads a file and decodes it.
 pub(crate) fn read(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let bytes = std::fs::read(path).map_err(|e| Error::system(path, "read", &e))?;
     Ok(decode(&bytes))
 }
 

@@ -1,0 +1,203 @@
+//! `joton bench SCENE…`: error over time on each device.
+
+use super::{DONE, INTERRUPTED, device, say, tell};
+use clap::Args;
+use joton::bench::{Row, Subject, Summary, error_plot, measure, runs_csv, summary_csv};
+use joton::film::{Image, check_memory};
+use joton::output::{self, exr};
+use joton::pack::PackedScene;
+use joton::paths::LightPaths;
+use joton::plan::{Plan, Settings};
+use joton::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Arguments of `joton bench`.
+#[derive(Debug, Args)]
+pub(super) struct BenchArguments {
+    /// Scene files (.toml) or meshes (.obj).
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+    /// What the picture should be, an EXR; one for each scene, in their order.
+    #[arg(long, value_name = "R.exr")]
+    reference: Vec<PathBuf>,
+    /// gpu, cpu, cpu-reference (the path tracer) or a part of a device's name; may be repeated [default: all].
+    #[arg(long)]
+    device: Vec<String>,
+    /// Seconds of rendering at which the picture is looked at.
+    #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', default_value = "0.5,1,2,4,8")]
+    times: Vec<f64>,
+    /// Number of seeds; two or more tell bias and variance apart.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    seeds: u32,
+    /// Image size, instead of the scene's.
+    #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
+    size: Option<[u32; 2]>,
+    /// Light paths to render, as for `joton render`.
+    #[arg(long, value_name = "EXPR")]
+    paths: Option<String>,
+    /// Write PREFIX.csv, PREFIX.summary.csv and PREFIX.svg.
+    #[arg(short, long, value_name = "PREFIX", default_value = "bench")]
+    output: String,
+}
+
+/// A scene, ready to be rendered.
+struct Loaded {
+    name: String,
+    packed: Arc<PackedScene>,
+    plan: Plan,
+    reference: Option<Image>,
+}
+
+pub(super) fn run(a: &BenchArguments) -> Result<u8> {
+    let times = ladder(&a.times)?;
+    let files = ["csv", "summary.csv", "svg"].map(|kind| PathBuf::from(format!("{}.{kind}", a.output)));
+    for file in &files {
+        output::check_writable(file)?;
+    }
+    if !a.reference.is_empty() && a.reference.len() != a.scenes.len() {
+        let what = format!("{} references for {} scenes", a.reference.len(), a.scenes.len());
+        return Err(Error::usage(what, "give one --reference for each scene, in the same order, or none"));
+    }
+    let references = a.reference.iter().map(Some).chain(std::iter::repeat(None));
+    let scenes: Vec<Loaded> = a
+        .scenes
+        .iter()
+        .zip(references)
+        .map(|(s, r)| load(a, s, r.map(PathBuf::as_path)))
+        .collect::<Result<_>>()?;
+    let devices = if a.device.is_empty() { all_devices() } else { a.device.clone() };
+
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::SeqCst) {
+            std::process::exit(INTERRUPTED.into());
+        }
+    })
+    .ok();
+    say(HEADING);
+    let (mut rows, mut summaries): (Vec<Row>, Vec<Summary>) = (Vec::new(), Vec::new());
+    'all: for scene in &scenes {
+        for device in &devices {
+            let subject = Subject {
+                scene: &scene.name,
+                device,
+                size: scene.packed.size,
+                reference: scene.reference.as_ref(),
+                times: &times,
+                seeds: a.seeds,
+            };
+            let open = |seed| {
+                let mut plan = scene.plan.clone();
+                plan.settings.seed = seed;
+                let reference = device == "cpu-reference";
+                let name = if reference { "cpu" } else { device };
+                let (backend, line) = device::open(name, reference, &scene.packed, &plan)?;
+                if seed == 0 {
+                    tell(format_args!("joton: {}: {line}", scene.name));
+                }
+                Ok(backend)
+            };
+            let see = |row: &Row| {
+                say(line_of(row));
+                !interrupted.load(Ordering::SeqCst)
+            };
+            let (new_rows, new_summaries) = measure(&subject, open, see)?;
+            rows.extend(new_rows);
+            summaries.extend(new_summaries);
+            if interrupted.load(Ordering::SeqCst) {
+                break 'all;
+            }
+        }
+    }
+    if a.seeds > 1 {
+        say_parts(&summaries);
+    }
+    output::write_text(&files[0], &runs_csv(&rows))?;
+    output::write_text(&files[1], &summary_csv(&summaries))?;
+    let plot = error_plot(&summaries).map_err(|e| Error::io(&files[2], "write", e))?;
+    output::write_text(&files[2], &plot)?;
+    Ok(if interrupted.load(Ordering::SeqCst) { INTERRUPTED } else { DONE })
+}
+
+/// The times in ascending order, each once.
+fn ladder(times: &[f64]) -> Result<Vec<f64>> {
+    if times.iter().any(|t| !t.is_finite() || *t <= 0.0) {
+        return Err(Error::usage("--times must be finite and larger than 0", "give seconds, like 0.5,1,2"));
+    }
+    let mut times = times.to_vec();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    Ok(times)
+}
+
+/// The devices that `joton devices` lists: the best adapter where there is one, the CPU, and the path tracer there.
+fn all_devices() -> Vec<String> {
+    let gpu = (!joton::gpu::adapters().is_empty()).then_some("gpu");
+    gpu.into_iter().chain(["cpu", "cpu-reference"]).map(String::from).collect()
+}
+
+fn load(a: &BenchArguments, file: &Path, reference: Option<&Path>) -> Result<Loaded> {
+    let mut scene = joton::scene::load(file)?;
+    if let Some(size) = a.size {
+        scene.resize(size);
+    }
+    check_memory(scene.size)?;
+    let reference = reference.map(exr::read_image).transpose()?;
+    if let Some(r) = &reference
+        && [r.width, r.height] != scene.size
+    {
+        let size = |s: [u32; 2]| format!("{}x{}", s[0], s[1]);
+        let (of_reference, of_scene) = (size([r.width, r.height]), size(scene.size));
+        let what = format!("{}: has {of_scene} pixels, its reference {of_reference}", file.display());
+        return Err(Error::usage(what, format!("add --size {of_reference}")));
+    }
+    let mut settings = Settings::default();
+    if let Some(paths) = &a.paths {
+        settings.paths = LightPaths::parse(paths)?;
+    }
+    let packed = Arc::new(PackedScene::new(&scene));
+    let plan = Plan::new(&packed, settings);
+    let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Loaded { name, packed, plan, reference })
+}
+
+/// Above the lines of [`line_of`].
+const HEADING: &str = "scene            device         seed  seconds  cpu s    passes  Mrays     estimate  relMSE     \
+                       trimmed    mean ratios";
+
+fn line_of(r: &Row) -> String {
+    let percent = r.error_estimate.map_or("-".into(), |e| format!("{:.2} %", e * 100.0));
+    let compared = r.comparison.as_ref().map_or(String::new(), |c| {
+        let ratios: Vec<String> = c.mean_ratio.iter().map(|m| format!("{m:.4}")).collect();
+        format!("{:<9.3e}  {:<9.3e}  {}", c.rel_mse, c.rel_mse_trimmed, ratios.join(" "))
+    });
+    let rays = r.rays as f64 * 1e-6;
+    let line = format!(
+        "{:<16} {:<14} {:<5} {:<8.2} {:<8.2} {:<7} {rays:<9.2} {percent:<9} {compared}",
+        r.scene, r.device, r.seed, r.seconds, r.cpu_seconds, r.passes
+    );
+    line.trim_end().into()
+}
+
+/// Bias and variance of the last step of each device.
+fn say_parts(summaries: &[Summary]) {
+    for (i, s) in summaries.iter().enumerate() {
+        let next = summaries.get(i + 1);
+        if next.is_some_and(|n| n.scene == s.scene && n.device == s.device) {
+            continue;
+        }
+        let part = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.3e}"));
+        say(format_args!(
+            "{} {} after {:.2} s, {} seeds: bias² {} variance {}",
+            s.scene,
+            s.device,
+            s.seconds,
+            s.seeds,
+            part(s.rel_bias_squared),
+            part(s.rel_variance)
+        ));
+    }
+}

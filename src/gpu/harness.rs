@@ -1,0 +1,159 @@
+//! Harness: single kernels on plain arrays, for the tests of kernels and of the functions that they share.
+
+use super::context::Context;
+use super::kernel::{Buffers, Kernel};
+use super::map::{Kind, Map, MapKernels, Shape};
+use super::recorder::Recorder;
+use super::ring::{RING_BYTES, Ring};
+use super::scene_buffers;
+use crate::error::Result;
+use crate::layout::MapInfo;
+use crate::pack::PackedScene;
+use crate::plan::Plan;
+use bytemuck::Pod;
+use std::collections::HashMap;
+
+pub use scene_buffers::encode as encode_direction;
+
+/// How much of a kernel is run.
+#[derive(Debug, Clone, Copy)]
+pub enum Work {
+    /// At least this many invocations, in workgroups of 64, folded as in a render.
+    Invocations(u32),
+    /// Exactly these workgroups.
+    Groups([u32; 2]),
+}
+
+/// Buffers of a few dispatches, by the names that kernels use.
+pub struct Harness<'a> {
+    context: &'a Context,
+    buffers: Buffers,
+    /// Bytes that were asked for; buffers are rounded up.
+    sizes: HashMap<&'static str, usize>,
+    ring: Ring,
+}
+
+impl<'a> Harness<'a> {
+    /// No buffers yet.
+    pub fn new(context: &'a Context) -> Self {
+        let mut buffers = Buffers::new();
+        buffers.insert("ring", scene_buffers::uniform(context, "ring", RING_BYTES));
+        Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) }
+    }
+
+    /// With the buffers of a scene and its plan.
+    ///
+    /// # Errors
+    /// [`crate::Error::Capacity`] where it does not fit.
+    pub fn with_scene(context: &'a Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
+        let buffers = scene_buffers::upload(context, scene, plan)?;
+        Ok(Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) })
+    }
+
+    /// Create (or replace) a storage buffer.
+    pub fn storage<T: Pod>(&mut self, name: &'static str, content: &[T]) {
+        let bytes: &[u8] = bytemuck::cast_slice(content);
+        let buffer = scene_buffers::storage(self.context, name, bytes.len() as u64);
+        self.context.queue.write_buffer(&buffer, 0, bytes);
+        self.buffers.insert(name, buffer);
+        self.sizes.insert(name, bytes.len());
+    }
+
+    /// Create (or replace) a uniform buffer that is bound as a whole.
+    pub fn uniform<T: Pod>(&mut self, name: &'static str, content: &T) {
+        let bytes = bytemuck::bytes_of(content);
+        let buffer = scene_buffers::uniform(self.context, name, bytes.len() as u64);
+        self.context.queue.write_buffer(&buffer, 0, bytes);
+        self.buffers.insert(name, buffer);
+    }
+
+    /// Run a kernel. `renamed` maps names in the kernel to buffers; `per_pass` holds the uniforms that differ from
+    /// dispatch to dispatch (pass_info, map_info, scan_info, sort_info).
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where a buffer is missing or the device fails.
+    pub fn run(
+        &mut self,
+        kernel: &Kernel,
+        renamed: &[(&str, &'static str)],
+        per_pass: &[(&str, &[u8])],
+        work: Work,
+    ) -> Result<()> {
+        let step = kernel.bind(self.context, &self.buffers, renamed)?;
+        let mut recorder = Recorder::new(self.context, &mut self.ring, None);
+        let at: Vec<(&str, u32)> =
+            per_pass.iter().map(|(name, bytes)| (*name, recorder.ring.push_bytes(bytes))).collect();
+        match work {
+            Work::Invocations(n) => recorder.dispatch(&step, &at, n),
+            Work::Groups(groups) => recorder.dispatch_groups(&step, &at, groups),
+        }
+        recorder.submit(self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
+    /// Sort the jotons of `lanes` (buffers `lanes` and `jotons` are there) by the host code that a render uses, without
+    /// tracing. Creates and fills lane_starts, bucket_starts, sorted_jotons and the buffers between.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where the device fails.
+    pub fn sort_map(&mut self, info: &MapInfo) -> Result<()> {
+        let shape = Shape {
+            emitted: info.emitted,
+            lanes: info.lanes,
+            lane_capacity: info.lane_capacity,
+            dispatches: 0,
+        };
+        for (name, size) in super::map::buffer_sizes(&[shape], self.context.is_software()) {
+            if !self.buffers.contains_key(name) {
+                // a pattern that is neither zero nor a valid index shows what was never written
+                self.storage(name, &vec![PATTERN; size.div_ceil(4) as usize]);
+            }
+        }
+        self.storage("status", &[0u32; crate::layout::status::SLOTS as usize]);
+        let nothing = Kernel::from_source(
+            self.context,
+            "nothing",
+            "@compute @workgroup_size(64) fn main() {}",
+            "main",
+            &[],
+        )?;
+        let kernels = MapKernels::new(self.context)?;
+        let map = Map::new(self.context, Kind::Diffuse, shape, &nothing, &kernels, &self.buffers)?;
+        let mut recorder = Recorder::new(self.context, &mut self.ring, None);
+        map.record(&mut recorder, 0, info);
+        recorder.submit(self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
+    /// Contents of a storage buffer.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where the copy fails.
+    pub fn read<T: Pod>(&self, name: &str) -> Result<Vec<T>> {
+        let mut bytes = self.context.read(&mut None, &[&self.buffers[name]])?.remove(0);
+        bytes.truncate(self.sizes.get(name).copied().unwrap_or(bytes.len()));
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+}
+
+/// What outputs hold before a kernel writes them.
+pub const PATTERN: u32 = 0xdead_beef;
+
+/// The uniform of a path filter.
+pub fn path_filter(paths: &crate::paths::LightPaths) -> crate::layout::PathFilter {
+    super::scene_buffers::path_filter(paths)
+}
+
+impl Harness<'_> {
+    /// Scatter area points on a scene's diffuse surfaces for discs of this radius; fills the buffers area_points and
+    /// area_starts and says in `info` how they are cut.
+    pub fn area_points(&mut self, scene: &PackedScene, radius: f64, seed: u32, info: &mut MapInfo) {
+        let grid = super::area::build(scene, [radius; 2], seed);
+        self.storage("area_points", &grid.points);
+        self.storage("area_starts", &grid.starts);
+        info.area_each = grid.each;
+        info.area_cells_per_unit = grid.cells_per_unit;
+        info.area_row_mask = grid.row_mask;
+        info.area_columns = grid.columns;
+    }
+}

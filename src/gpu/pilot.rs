@@ -1,0 +1,152 @@
+//! The pilot: what is found out on the device before the first pass, with random numbers of no pass that is rendered.
+
+use super::map::Kind;
+use super::pipelines::Steps;
+use super::recorder::Recorder;
+use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend};
+use crate::error::{Error, Result};
+use crate::layout::{MapInfo, PassInfo, status};
+
+/// Random numbers of the pilot.
+const PILOT_PASS: u32 = u32::MAX;
+/// Lanes that are tried before the first pass.
+const PROBE_LANES: u32 = 512;
+
+impl GpuBackend {
+    /// Everything that the pilot finds out.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the device fails or a path does not end, [`Error::Capacity`] where a map does not fit.
+    pub(super) fn run_pilot(&mut self) -> Result<()> {
+        self.shape_lanes()?;
+        self.mark_glints()?;
+        self.choose_caustic_radii()?;
+        self.find_edges()?;
+        self.warm_up()
+    }
+
+    /// Find out how often the trace kernel must be dispatched and how much a lane stores, by tracing the pilot pass.
+    fn shape_lanes(&mut self) -> Result<()> {
+        // a part of the lanes tells as much as all of them
+        let whole = self.shapes;
+        for kind in [Kind::Caustic, Kind::Diffuse] {
+            if let Some(shape) = self.shapes.of_mut(kind) {
+                let part = f64::from(PROBE_LANES.min(shape.lanes)) / f64::from(shape.lanes);
+                shape.lanes = PROBE_LANES.min(shape.lanes);
+                shape.emitted = (f64::from(shape.emitted) * part).ceil() as u32;
+            }
+        }
+        loop {
+            self.bind()?;
+            let mut settled = true;
+            for kind in [Kind::Caustic, Kind::Diffuse] {
+                let Some(shape) = self.shapes.of(kind) else { continue };
+                let found = self.pilot_map(kind, false)?;
+                let stored = found[status::LANE_STORED_MAX as usize];
+                let mut wanted = shape;
+                if found[status::UNFINISHED as usize] > 0 {
+                    wanted.dispatches = shape.dispatches * 2;
+                    settled = false;
+                    if wanted.dispatches > DISPATCHES_MAX {
+                        return Err(Error::device(
+                            "a joton's path does not end",
+                            "report this as a bug of joton",
+                        ));
+                    }
+                } else if stored > shape.lane_capacity {
+                    wanted.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32 + 4;
+                    settled = false;
+                }
+                *self.shapes.of_mut(kind) = Some(wanted);
+            }
+            if settled {
+                // one dispatch more than the pilot needed: other passes take a little longer
+                for kind in [Kind::Caustic, Kind::Diffuse] {
+                    if let (Some(shape), Some(whole)) = (self.shapes.of_mut(kind), whole.of(kind)) {
+                        shape.dispatches += 1 + shape.dispatches / 2;
+                        (shape.lanes, shape.emitted) = (whole.lanes, whole.emitted);
+                    }
+                }
+                return self.bind();
+            }
+        }
+    }
+
+    /// Fill one map from the pilot pass and, with `radii`, choose the caustic radii from it; the status words.
+    fn pilot_map(&mut self, kind: Kind, radii: bool) -> Result<Vec<u32>> {
+        let Some(steps) = &self.steps else { return Ok(vec![0; status::SLOTS as usize]) };
+        let Some((map, _)) = steps.maps.iter().find(|(m, _)| m.kind == kind) else {
+            return Ok(vec![0; status::SLOTS as usize]);
+        };
+        let pass = self.pass_info(PILOT_PASS);
+        let info = self.map_info(kind, 0, PILOT_PASS);
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let pass_info = recorder.ring.push(&pass);
+        recorder.clear(&self.buffers["lanes"]);
+        recorder.clear(&self.buffers["status"]);
+        map.record(&mut recorder, pass_info, &info);
+        if let (true, Some([count, radius])) = (radii, &steps.pilot) {
+            let map_info = recorder.ring.push(&info);
+            let at = [("pass_info", pass_info), ("map_info", map_info)];
+            let pixels = self.scene.pixels() as u32;
+            recorder.dispatch(&steps.eye, &at, pixels);
+            recorder.dispatch(count, &at, pixels);
+            recorder.dispatch(radius, &at, pixels);
+        }
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
+        Ok(bytemuck::pod_collect_to_vec(&words[0]))
+    }
+
+    fn choose_caustic_radii(&mut self) -> Result<()> {
+        if self.shapes.caustic.is_some() {
+            self.pilot_map(Kind::Caustic, true)?;
+        }
+        Ok(())
+    }
+
+    /// Mark the pixels that see emission in a part only, or through specular surfaces.
+    fn mark_glints(&mut self) -> Result<()> {
+        let pass = self.pass_info(PILOT_PASS);
+        let Some(Steps { glint: Some([_, pilot, mark]), .. }) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let at = [("pass_info", recorder.ring.push(&pass))];
+        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.dispatch(mark, &at, self.scene.pixels() as u32);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
+    /// Run every kernel of a pass on nothing: drivers compile at the first dispatch, and that is set-up.
+    fn warm_up(&mut self) -> Result<()> {
+        let Some(steps) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let nothing: PassInfo = bytemuck::Zeroable::zeroed();
+        let no_map: MapInfo = bytemuck::Zeroable::zeroed();
+        let at = [("pass_info", recorder.ring.push(&nothing)), ("map_info", recorder.ring.push(&no_map))];
+        let kernels = [&steps.eye].into_iter().chain(&steps.direct).chain(steps.glint.iter().flatten());
+        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(steps.boundary.iter().flatten());
+        for step in kernels.chain(maps) {
+            recorder.dispatch(step, &at, 1);
+        }
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+
+    /// Find the pixels whose discs are cut by edges, once, with the largest radius.
+    fn find_edges(&mut self) -> Result<()> {
+        if self.shapes.diffuse.is_none() {
+            return Ok(());
+        }
+        self.renew_area_points(0)?;
+        let pass = self.pass_info(PILOT_PASS);
+        let info = self.map_info(Kind::Diffuse, 0, PILOT_PASS);
+        let Some(Steps { eye, boundary: Some([_, pilot]), .. }) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
+        recorder.dispatch(eye, &at, self.scene.pixels() as u32);
+        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
+    }
+}

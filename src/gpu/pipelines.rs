@@ -1,0 +1,152 @@
+//! Pipelines: the kernels that a plan needs, compiled, and bound to their buffers.
+
+use super::Shapes;
+use super::context::Context;
+use super::kernel::{Buffers, Kernel, Step};
+use super::map::{Kind, Map, MapKernels};
+use crate::error::Result;
+use crate::film::Layer;
+use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
+
+/// The compiled kernels.
+pub(super) struct Kernels {
+    eye: Kernel,
+    glint: Option<[Kernel; 3]>,
+    direct: Option<Kernel>,
+    trace: [Option<Kernel>; 2],
+    gather: [Option<Kernel>; 2],
+    boundary: [Option<Kernel>; 2],
+    caustic_count: Option<Kernel>,
+    caustic_radius: Option<Kernel>,
+    map: Option<MapKernels>,
+}
+
+impl Kernels {
+    /// Compile what the plan needs.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where a kernel does not compile.
+    pub(super) fn new(context: &Context, plan: &Plan) -> Result<Self> {
+        let f = &plan.features;
+        let flag = |on: bool| if on { 1.0 } else { 0.0 };
+        let features = [
+            ("HAS_SMOOTH", flag(f.smooth_normals)),
+            ("HAS_SPECULAR", flag(f.specular)),
+            ("HAS_DIELECTRIC", flag(f.dielectric)),
+            ("HAS_GLOSSY", flag(f.glossy)),
+            ("HAS_PATH_FILTER", flag(f.path_filter)),
+        ];
+        let compile = |path: &str| Kernel::new(context, path, "main", &features);
+        let with = |path: &str, caustic: bool| {
+            let mut overrides = features.to_vec();
+            overrides.push(("CAUSTIC", flag(caustic)));
+            Kernel::new(context, path, "main", &overrides)
+        };
+        let (caustic, diffuse) = (plan.traces(Layer::Caustic), plan.traces(Layer::Diffuse));
+        let optional = |on: bool, k: &dyn Fn() -> Result<Kernel>| on.then(k).transpose();
+        let pilot = [
+            ("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])),
+            ("RADIUS_FOOTPRINTS_MIN", f64::from(CAUSTIC_FOOTPRINTS[0])),
+            ("WANTED", f64::from(CAUSTIC_WANTED)),
+        ];
+        Ok(Self {
+            eye: compile("eye.wgsl")?,
+            glint: if plan.traces(Layer::Emission) {
+                let mut pilot = features.to_vec();
+                pilot.push(("PILOT", 1.0));
+                Some([
+                    compile("glint.wgsl")?,
+                    Kernel::new(context, "glint.wgsl", "main", &pilot)?,
+                    compile("glint_mark.wgsl")?,
+                ])
+            } else {
+                None
+            },
+            direct: optional(plan.traces(Layer::Direct), &|| compile("direct.wgsl"))?,
+            trace: [
+                optional(caustic, &|| with("trace.wgsl", true))?,
+                optional(diffuse, &|| with("trace.wgsl", false))?,
+            ],
+            gather: [
+                optional(caustic, &|| with("gather.wgsl", true))?,
+                optional(diffuse, &|| with("gather.wgsl", false))?,
+            ],
+            boundary: [
+                optional(diffuse, &|| compile("boundary.wgsl"))?,
+                optional(diffuse, &|| Kernel::new(context, "boundary.wgsl", "main", &[("PILOT", 1.0)]))?,
+            ],
+            caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
+            caustic_radius: optional(caustic, &|| {
+                Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)
+            })?,
+            map: (caustic || diffuse).then(|| MapKernels::new(context)).transpose()?,
+        })
+    }
+}
+
+/// The kernels with their buffers.
+pub(super) struct Steps {
+    pub(super) eye: Step,
+    /// Of a pass, of the pilot, and the marking of pixels.
+    pub(super) glint: Option<[Step; 3]>,
+    pub(super) direct: Option<Step>,
+    pub(super) boundary: Option<[Step; 2]>,
+    pub(super) maps: Vec<(Map, Step)>,
+    pub(super) pilot: Option<[Step; 2]>,
+}
+
+impl Steps {
+    /// Bind every kernel of a pass and of the pilot.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where a buffer is missing.
+    pub(super) fn new(
+        context: &Context,
+        kernels: &Kernels,
+        shapes: &Shapes,
+        buffers: &Buffers,
+    ) -> Result<Self> {
+        let mut maps = Vec::new();
+        for (kind, film, fits) in
+            [(Kind::Caustic, "film_caustic", "radii"), (Kind::Diffuse, "film_diffuse", "fits")]
+        {
+            let i = kind as usize;
+            if let (Some(shape), Some(trace), Some(gather), Some(map)) =
+                (shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
+            {
+                let gather = gather.bind(context, buffers, &[("film", film), ("fits", fits)])?;
+                maps.push((Map::new(context, kind, shape, trace, map, buffers)?, gather));
+            }
+        }
+        let optional = |k: &Option<Kernel>, names: &[(&str, &'static str)]| {
+            k.as_ref().map(|k| k.bind(context, buffers, names)).transpose()
+        };
+        let pilot = match (&kernels.caustic_count, &kernels.caustic_radius) {
+            (Some(count), Some(radius)) => Some([
+                count.bind(context, buffers, &[])?,
+                radius.bind(context, buffers, &[("fits", "radii")])?,
+            ]),
+            _ => None,
+        };
+        Ok(Self {
+            eye: kernels.eye.bind(context, buffers, &[])?,
+            glint: match &kernels.glint {
+                Some([pass, pilot, mark]) => Some([
+                    pass.bind(context, buffers, &[("film", "film_emission")])?,
+                    pilot.bind(context, buffers, &[("film", "radii")])?,
+                    mark.bind(context, buffers, &[("glints", "radii")])?,
+                ]),
+                None => None,
+            },
+            direct: optional(&kernels.direct, &[])?,
+            boundary: match &kernels.boundary {
+                [Some(pass), Some(pilot)] => {
+                    Some([pass.bind(context, buffers, &[])?, pilot.bind(context, buffers, &[])?])
+                }
+                _ => None,
+            },
+            maps,
+            pilot,
+        })
+    }
+}

@@ -1,0 +1,13 @@
+//! Each kernel on arrays and tiny scenes: sizes at the edges of workgroups, analytic answers, searches over all.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod boundary;
+mod caustic;
+mod direct;
+mod gather;
+mod map;
+mod radix;
+mod scan;
+mod trace;

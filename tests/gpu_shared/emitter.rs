@@ -1,0 +1,121 @@
+//! shared/emitter.wgsl: picking over the edges of the table, and the spot's falloff.
+
+use crate::common::{Row, Snippet, floats, random, row};
+use crate::device_or_return;
+use joton::gpu::harness::Harness;
+use joton::pack::PackedEmitter;
+
+const EMITTERS: &str = "@group(0) @binding(0) var<storage, read> emitters: array<PackedEmitter>;\n";
+const BELOW_ONE: f32 = 1.0 - 1.0 / 16_777_216.0;
+
+/// A table as src/pack/emitters.rs makes it: sums in f64, picks as differences of the rounded sums.
+fn table(weights: &[f64]) -> Vec<PackedEmitter> {
+    let total: f64 = weights.iter().sum();
+    let (mut before, mut running) = (0.0f32, 0.0f64);
+    let mut all: Vec<PackedEmitter> = weights
+        .iter()
+        .map(|w| {
+            running += w / total;
+            let cumulative = running as f32;
+            let pick = cumulative - before;
+            before = cumulative;
+            PackedEmitter { cumulative, pick, ..bytemuck::Zeroable::zeroed() }
+        })
+        .collect();
+    if let Some(last) = all.last_mut() {
+        last.pick += 1.0 - last.cumulative;
+        last.cumulative = 1.0;
+    }
+    all
+}
+
+fn check(weights: &[f64]) {
+    let context = device_or_return!();
+    let emitters = table(weights);
+    let mut numbers = vec![0.0f32, f32::MIN_POSITIVE, 1.0 / 16_777_216.0, 0.5, BELOW_ONE];
+    for e in emitters.iter().step_by(emitters.len().div_ceil(500)) {
+        let c = e.cumulative;
+        numbers.extend([c.next_down(), c, c.next_up()].map(|u| u.clamp(0.0, BELOW_ONE)));
+    }
+    numbers.extend((0..2000).map(|i| random(30, i)[0]));
+    let inputs: Vec<[Row; 1]> = numbers.iter().map(|&u| [row([u, 0.0, 0.0, 0.0])]).collect();
+    let code = format!(
+        "let p = pick_emitter(in_f(0u).x, {}u); out_u(0u, vec4(p.emitter, bitcast<u32>(p.rest), 0u, 0u));",
+        emitters.len()
+    );
+    let snippet =
+        Snippet { imports: &["shared/emitter.wgsl"], declarations: EMITTERS, code: &code, overrides: &[] };
+    let mut harness = Harness::new(context);
+    harness.storage("emitters", &emitters);
+    let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
+    for (&u, [o]) in numbers.iter().zip(out) {
+        let i = o[0] as usize;
+        let rest = f32::from_bits(o[1]);
+        let wanted = emitters.iter().position(|e| u < e.cumulative).unwrap_or(emitters.len() - 1);
+        assert_eq!(i, wanted, "u = {u:?} of {} emitters", emitters.len());
+        assert!(emitters[i].pick > 0.0, "u = {u:?} picked an emitter without light");
+        assert!((0.0..1.0).contains(&rest), "u = {u:?}: rest {rest:?}");
+        let before = f64::from(emitters[i].cumulative) - f64::from(emitters[i].pick);
+        let place = (f64::from(u) - before) / f64::from(emitters[i].pick);
+        // what u has below its emitter's share of 2^-24 is lost
+        let tolerance = 1e-6 + 2.0 / 16_777_216.0 / f64::from(emitters[i].pick);
+        assert!((f64::from(rest) - place).abs() < tolerance, "u = {u:?}: rest {rest} against {place}");
+    }
+}
+
+#[test]
+fn one_emitter_is_always_picked() {
+    check(&[3.0]);
+}
+
+#[test]
+fn emitters_without_light_are_never_picked() {
+    check(&[0.0, 1.0, 0.0, 0.0, 2.0, 0.0]);
+    check(&[1.0, 0.0]);
+}
+
+#[test]
+fn shares_of_all_sizes_are_kept() {
+    check(&[1.0, 1.0]);
+    check(&[1e-9, 1.0, 1e-3, 1e5, 1e-9]);
+    check(&(1..1000).map(|i| f64::from(i % 17) + 0.1).collect::<Vec<_>>());
+}
+
+/// A million: shares of 1e-6 are a few steps of f32 near one, and the sums must not drift.
+#[test]
+fn a_million_emitters_are_picked_evenly() {
+    check(&(0..1_000_000).map(|i| 1.0 + f64::from(i % 3)).collect::<Vec<_>>());
+}
+
+#[test]
+fn spots_fall_off_as_a_smoothstep() {
+    let context = device_or_return!();
+    let mut inputs: Vec<[Row; 1]> = Vec::new();
+    for (inner, outer) in [(0.9f32, 0.8f32), (0.99, 0.5), (0.8, 0.8), (1.0, 0.0), (0.999_999, 0.999_998)] {
+        let edges = [outer, outer - 1e-3, inner, inner + 1e-3, 1.0, -1.0, 0.5 * (inner + outer)];
+        let cosines = edges.into_iter().chain((0..300).map(|i| random(31, i)[0] * 2.0 - 1.0));
+        inputs.extend(cosines.map(|c| [row([c.min(1.0), inner, outer, 0.0])]));
+    }
+    let code = "let i = in_f(0u); out_f(0u, vec4(spot_falloff(i.x, i.y, i.z), 0.0, 0.0, 0.0));";
+    let snippet = Snippet { imports: &["shared/emitter.wgsl"], declarations: EMITTERS, code, overrides: &[] };
+    let mut harness = Harness::new(context);
+    harness.storage("emitters", &table(&[1.0]));
+    let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
+    for ([i], [o]) in inputs.iter().zip(out) {
+        let [c, inner, outer, _] = floats(*i).map(f64::from);
+        let x = ((c - outer) / (inner - outer).max(1e-7)).clamp(0.0, 1.0);
+        let got = f64::from(floats(o)[0]);
+        // the slope is 1.5 over the width of the ring, in which f32 has 6e-8
+        let tolerance = 1e-5 + 2e-7 / (inner - outer).max(1e-7);
+        assert!(
+            (got - x * x * (3.0 - 2.0 * x)).abs() < tolerance,
+            "cos {c} between {inner} and {outer}: {got}"
+        );
+        if c <= outer - 1e-6 {
+            assert_eq!(got, 0.0);
+        }
+        if c >= inner + 1e-6 && inner > outer {
+            assert_eq!(got, 1.0);
+        }
+    }
+}

@@ -1,0 +1,334 @@
+//! shared/intersect.wgsl against a search over all triangles in f64, and against the host's hierarchy; shared/surface.wgsl.
+
+use crate::common::scenes::icosphere;
+use crate::common::{Row, Snippet, floats, random, random_direction, row3, vec3};
+use crate::device_or_return;
+use glam::{DVec3, Vec3};
+use joton::bvh::Bvh;
+use joton::gpu::Context;
+use joton::gpu::harness::Harness;
+use joton::pack::{NO_EMITTER, PackedTriangle};
+
+/// Triangles in leaf order with their hierarchy.
+struct World {
+    bvh: Bvh,
+    triangles: Vec<PackedTriangle>,
+}
+
+impl World {
+    fn new(vertices: &[[Vec3; 3]]) -> Self {
+        let (bvh, order) = Bvh::build(vertices);
+        let triangles = order
+            .iter()
+            .map(|&i| {
+                let [a, b, c] = vertices[i as usize];
+                PackedTriangle { v0: a, material: 0, e1: b - a, flags: 0, e2: c - a, emitter: NO_EMITTER }
+            })
+            .collect();
+        Self { bvh, triangles }
+    }
+
+    fn harness<'a>(&self, context: &'a Context) -> Harness<'a> {
+        let mut harness = Harness::new(context);
+        harness.storage("nodes", &self.bvh.nodes());
+        harness.storage("triangles", &self.triangles);
+        for name in ["shading_normals", "materials", "emitters"] {
+            harness.storage(name, &[0u32; 64]);
+        }
+        harness
+    }
+
+    /// Distance and weights on triangle `i`, in f64, whether inside or not.
+    fn meet(&self, i: usize, o: DVec3, d: DVec3) -> Option<[f64; 3]> {
+        let t = &self.triangles[i];
+        let [v0, e1, e2] = [t.v0, t.e1, t.e2].map(|v| v.as_dvec3());
+        let p = d.cross(e2);
+        let det = e1.dot(p);
+        if det == 0.0 {
+            return None;
+        }
+        let s = o - v0;
+        let q = s.cross(e1);
+        Some([e2.dot(q) / det, s.dot(p) / det, d.dot(q) / det])
+    }
+
+    /// Nearest distance where triangles are grown (or, negative, shrunk) by `slack` in their weights.
+    fn nearest(&self, o: DVec3, d: DVec3, slack: f64) -> f64 {
+        (0..self.triangles.len())
+            .filter_map(|i| self.meet(i, o, d))
+            .filter(|&[t, u, v]| t > -slack * T_SCALE && u >= -slack && v >= -slack && u + v <= 1.0 + slack)
+            .map(|h| h[0])
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Coordinates are of this size: what is 1e-5 in weights is this much more in distances.
+const T_SCALE: f64 = 100.0;
+
+/// A ray.
+type Ray = [Vec3; 2];
+
+/// The device's hit for each ray: triangle, t, u, v.
+fn trace(context: &Context, world: &World, rays: &[Ray], limits: &[f32], any: bool) -> Vec<(u32, [f32; 3])> {
+    let inputs: Vec<[Row; 2]> = rays
+        .iter()
+        .enumerate()
+        .map(|(i, r)| [row3(r[0], limits[i % limits.len()]), row3(r[1], 0.0)])
+        .collect();
+    let code = format!(
+        "let h = traverse(in_f(0u).xyz, in_f(1u).xyz, in_f(0u).w, {any});
+         out_u(0u, vec4(h.triangle, bitcast<vec3<u32>>(vec3(h.t, h.u, h.v))));
+         out_u(1u, vec4(steps, 0u, 0u, 0u));"
+    );
+    let snippet = Snippet::new(&["shared/scene.wgsl", "shared/intersect.wgsl"], &code);
+    let pass = crate::common::pass_info();
+    let mut harness = world.harness(context);
+    let out: Vec<[Row; 2]> =
+        snippet.run_in(context, &mut harness, &[("pass_info", bytemuck::bytes_of(&pass))], &inputs);
+    out.iter()
+        .map(|[h, steps]| {
+            assert!(steps[0] > 0, "a traversal counts its steps");
+            (h[0], [h[1], h[2], h[3]].map(f32::from_bits))
+        })
+        .collect()
+}
+
+/// Weights of the device may be off by this much: f32 cross products of coordinates near 1000.
+const SLACK: f64 = 2e-5;
+
+/// Every ray's closest hit lies between those of the triangles a little grown and a little shrunk; the host agrees.
+fn check_closest(context: &Context, name: &str, world: &World, rays: &[Ray]) {
+    let found = trace(context, world, rays, &[1e30], false);
+    let mut hits = 0;
+    for (&[o, d], (triangle, [t, u, v])) in rays.iter().zip(&found) {
+        let (o64, d64) = (o.as_dvec3(), d.as_dvec3());
+        let (grown, shrunk) = (world.nearest(o64, d64, SLACK), world.nearest(o64, d64, -SLACK));
+        let host = world.bvh.closest(&world.triangles, o, d, 1e30);
+        if *triangle == u32::MAX {
+            assert!(shrunk.is_infinite(), "{name}: {o} {d} misses what lies at {shrunk}");
+            assert!(host.is_none_or(|h| world.nearest(o64, d64, -SLACK).is_infinite() || h.t > 0.0));
+            continue;
+        }
+        hits += 1;
+        let t = f64::from(*t);
+        let tolerance = 1e-5 * t.max(T_SCALE) / grazing(world, *triangle, d64);
+        assert!(t > grown - tolerance, "{name}: {o} {d} at {t}, nothing is before {grown}");
+        assert!(t < shrunk + tolerance, "{name}: {o} {d} at {t}, there is something at {shrunk}");
+        let [rt, ru, rv] = world.meet(*triangle as usize, o64, d64).expect("a hit triangle is not edge-on");
+        assert!((t - rt).abs() < tolerance, "{name}: the triangle is at {rt}, not {t}");
+        let off = (f64::from(*u) - ru).abs().max((f64::from(*v) - rv).abs());
+        assert!(off < 1e-3 / grazing(world, *triangle, d64), "{name}: weights {u} {v}, not {ru} {rv}");
+        if let Some(h) = host
+            && h.triangle == *triangle
+        {
+            assert!((f64::from(h.t) - t).abs() < tolerance, "{name}: the host says {}, the device {t}", h.t);
+        }
+    }
+    assert!(
+        hits * 20 > rays.len() || name == "one triangle",
+        "{name}: only {hits} of {} rays hit",
+        rays.len()
+    );
+}
+
+/// |cosine| between ray and triangle, bounded: rays along a surface lose digits.
+fn grazing(world: &World, triangle: u32, d: DVec3) -> f64 {
+    let t = &world.triangles[triangle as usize];
+    let n = t.e1.as_dvec3().cross(t.e2.as_dvec3());
+    (n.dot(d).abs() / n.length().max(1e-30)).max(1e-3)
+}
+
+fn soup(count: usize, size: f32) -> Vec<[Vec3; 3]> {
+    (0..count)
+        .map(|i| {
+            let [x, y, z, s] = random(40, i);
+            let c = (Vec3::new(x, y, z) - 0.5) * 1000.0;
+            // sizes over three decades, every tenth a sliver
+            let s = size * 10f32.powf(2.0 * s - 2.0);
+            let a = random_direction(41, i) * s;
+            let b = random_direction(42, i) * if i % 10 == 0 { s * 0.01 } else { s };
+            [c, c + a, c + b]
+        })
+        .collect()
+}
+
+fn ball(levels: u32, radius: f64, center: Vec3) -> Vec<[Vec3; 3]> {
+    icosphere(levels).iter().map(|t| t.map(|p| (p * radius).as_vec3() + center)).collect()
+}
+
+fn random_rays(count: usize, spread: f32) -> Vec<Ray> {
+    (0..count)
+        .map(|i| {
+            let [x, y, z, _] = random(43, i);
+            [(Vec3::new(x, y, z) - 0.5) * spread, random_direction(44, i)]
+        })
+        .collect()
+}
+
+#[test]
+fn closest_hits_are_those_of_a_search_over_all() {
+    let context = device_or_return!();
+    let rays = random_rays(2000, 1500.0);
+    check_closest(context, "soup", &World::new(&soup(600, 300.0)), &rays);
+    check_closest(context, "ball, from anywhere", &World::new(&ball(2, 400.0, Vec3::ZERO)), &rays);
+    check_closest(
+        context,
+        "ball, from inside",
+        &World::new(&ball(3, 500.0, Vec3::ZERO)),
+        &random_rays(1000, 500.0),
+    );
+    let one =
+        [[Vec3::new(-300.0, -200.0, 50.0), Vec3::new(400.0, -100.0, 0.0), Vec3::new(0.0, 300.0, -80.0)]];
+    check_closest(context, "one triangle", &World::new(&one), &rays);
+}
+
+/// Squares in the planes of the axes: bounds without thickness, directions with zeros of either sign.
+#[test]
+fn axis_parallel_rays_hit_axis_parallel_walls() {
+    let context = device_or_return!();
+    let mut walls = Vec::new();
+    for axis in 0..3 {
+        for k in 0..6 {
+            let at = [-500.0, -130.5, 0.0, 64.0, 200.25, 500.0][k];
+            let corner = |u: f32, v: f32| {
+                let mut p = [0.0; 3];
+                (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (at, u, v);
+                Vec3::from(p)
+            };
+            let s = 100.0 + 60.0 * k as f32;
+            walls.push([corner(-s, -s), corner(s, -s), corner(s, s)]);
+            walls.push([corner(-s, -s), corner(s, s), corner(-s, s)]);
+        }
+    }
+    let world = World::new(&walls);
+    let mut rays = Vec::new();
+    for i in 0..600 {
+        let [x, y, z, _] = random(45, i);
+        let o = (Vec3::new(x, y, z) - 0.5) * 900.0;
+        let zero = if i % 2 == 0 { 0.0 } else { -0.0 };
+        for s in [1.0f32, -1.0] {
+            rays.extend([
+                [o, Vec3::new(s, zero, zero)],
+                [o, Vec3::new(zero, s, zero)],
+                [o, Vec3::new(zero, zero, s)],
+            ]);
+        }
+        rays.push([o, Vec3::new(zero, 0.6, -0.8)]);
+        rays.push([o, Vec3::new(1e-25, 0.6, 0.8)]);
+    }
+    check_closest(context, "walls", &world, &rays);
+}
+
+/// From inside a closed surface every ray hits, above all those that aim at edges and corners exactly.
+#[test]
+fn edges_and_corners_leak_nothing() {
+    let context = device_or_return!();
+    let center = Vec3::new(37.0, -11.0, 5.0);
+    let triangles = ball(3, 500.0, center);
+    let world = World::new(&triangles);
+    let mut rays = Vec::new();
+    for (i, &[a, b, c]) in triangles.iter().enumerate() {
+        let [s, x, y, z] = random(46, i);
+        let o = center + (Vec3::new(x, y, z) - 0.5) * 300.0;
+        for target in [a, b, c, 0.5 * (a + b), a + (b - a) * s, c + (a - c) * s] {
+            rays.push([o, (target - o).normalize()]);
+            rays.push([center, (target - center).normalize()]);
+        }
+    }
+    let found = trace(context, &world, &rays, &[1e30], false);
+    let leaked = found.iter().filter(|h| h.0 == u32::MAX).count();
+    assert_eq!(leaked, 0, "of {} rays", rays.len());
+    for ([o, d], (_, [t, ..])) in rays.iter().zip(&found) {
+        let r = (*o + *d * *t - center).length();
+        assert!((485.0..500.1).contains(&r), "{o} {d} ends at radius {r}");
+    }
+}
+
+/// Shadow rays: something in (0, limit), by a search over all.
+#[test]
+fn occlusion_is_a_search_over_all() {
+    let context = device_or_return!();
+    let worlds = [World::new(&soup(400, 300.0)), World::new(&ball(2, 400.0, Vec3::ZERO))];
+    let limits = [50.0f32, 200.0, 700.0, 1e30];
+    let rays = random_rays(2000, 1500.0);
+    for world in &worlds {
+        let mut blocked = 0;
+        for (i, (&[o, d], (triangle, [t, ..]))) in
+            rays.iter().zip(trace(context, world, &rays, &limits, true)).enumerate()
+        {
+            let limit = f64::from(limits[i % limits.len()]);
+            let (grown, shrunk) = (
+                world.nearest(o.as_dvec3(), d.as_dvec3(), SLACK),
+                world.nearest(o.as_dvec3(), d.as_dvec3(), -SLACK),
+            );
+            if triangle == u32::MAX {
+                assert!(
+                    shrunk > limit * (1.0 - 1e-5) - 1e-2,
+                    "{o} {d} is blocked at {shrunk} before {limit}"
+                );
+            } else {
+                blocked += 1;
+                assert!(
+                    grown < limit * (1.0 + 1e-5) + 1e-2 && f64::from(t) < limit,
+                    "{o} {d} is free until {limit}"
+                );
+            }
+            let host = world.bvh.occluded(&world.triangles, o, d, limit as f32);
+            if host != (triangle != u32::MAX) {
+                let near_edge = (grown - shrunk).abs() > 1e-6 || (shrunk - limit).abs() < 1e-2;
+                assert!(near_edge, "host and device differ on {o} {d} until {limit}");
+            }
+        }
+        assert!((100..1900).contains(&blocked), "{blocked} of {} rays are blocked", rays.len());
+    }
+}
+
+/// Positions, normals and offsets at hits.
+#[test]
+fn surfaces_lie_where_rays_hit() {
+    let context = device_or_return!();
+    let world = World::new(&ball(2, 400.0, Vec3::ZERO));
+    let mut harness = world.harness(context);
+    let smooth: Vec<PackedTriangle> =
+        world.triangles.iter().map(|t| PackedTriangle { flags: joton::pack::SMOOTH, ..*t }).collect();
+    harness.storage("triangles", &smooth);
+    let normals: Vec<[u32; 4]> = smooth
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.vertices().map(|p| joton::gpu::harness::encode_direction(p.normalize()));
+            [a, b, c, 0]
+        })
+        .collect();
+    harness.storage("shading_normals", &normals);
+    let rays = random_rays(2000, 400.0);
+    let inputs: Vec<[Row; 2]> = rays.iter().map(|r| [row3(r[0], 0.0), row3(r[1], 0.0)]).collect();
+    let code = "let h = traverse(in_f(0u).xyz, in_f(1u).xyz, 1e30, false);
+        let s = surface_at(h);
+        out_f(0u, vec4(s.position, h.t)); out_f(1u, vec4(s.front, select(0.0, 1.0, s.is_smooth)));
+        out_f(2u, vec4(s.shading, 0.0)); out_f(3u, vec4(offset_origin(s.position, -s.front), 0.0));
+        // from the offset origin the same wall is not met again along its own plane and inward
+        let again = traverse(offset_origin(s.position, -s.front), -s.front, 1.0, true);
+        out_u(4u, vec4(h.triangle, again.triangle, 0u, 0u));";
+    let snippet = Snippet::new(
+        &["shared/features.wgsl", "shared/scene.wgsl", "shared/sampling.wgsl", "shared/surface.wgsl"],
+        code,
+    );
+    let pass = crate::common::pass_info();
+    let out: Vec<[Row; 5]> =
+        snippet.run_in(context, &mut harness, &[("pass_info", bytemuck::bytes_of(&pass))], &inputs);
+    for ([o, d], [position, front, shading, off, ids]) in rays.iter().zip(out) {
+        assert_ne!(ids[0], u32::MAX);
+        let p = vec3(position);
+        assert!((p - (*o + *d * floats(position)[3])).length() < 2e-3);
+        let flat = smooth[ids[0] as usize].normal();
+        assert!((vec3(front) - flat).length() < 1e-5 && floats(front)[3] == 1.0);
+        assert!(flat.dot(p) > 0.0, "counter-clockwise is outward");
+        assert!(
+            (vec3(shading) - p.normalize()).length() < 0.01,
+            "interpolated normals of a sphere are radial"
+        );
+        let step = (vec3(off) - p).dot(-vec3(front));
+        assert!(step > 1e-3 && step < 1e-2, "an offset of {step} at coordinates of 400");
+        assert_eq!(ids[1], u32::MAX, "a ray that leaves the wall meets it again");
+    }
+}

@@ -1,0 +1,14 @@
+//! Functions that the kernels share, each against Rust on given inputs: shaders/shared, file by file.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bsdf;
+mod emit;
+mod emitter;
+mod grid;
+mod intersect;
+mod paths;
+mod rng;
+mod sampling;
+mod scatter;
