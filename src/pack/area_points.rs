@@ -1,9 +1,10 @@
 //! Area points: an even sample of the diffuse surfaces, each point standing for the same area. Discs that lose a part of
 //! themselves at edges and corners are measured with them.
 
-use super::{EmitterKind, PackedScene};
+use super::{EmitterKind, PackedScene, PackedTriangle};
 use crate::rng;
 use glam::Vec3;
+use std::collections::HashSet;
 use std::f32::consts::TAU;
 
 /// A point on a diffuse surface.
@@ -18,9 +19,12 @@ pub struct AreaPoint {
 /// Steps of the R2 lattice (Roberts 2018): inverse powers of the plastic number.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
-/// Of two faces in the same place (doubled faces, nearer than this) one counts: the one that a ray on to it hits. Rays
-/// meet only that one too, so jotons lie on it once.
-const COVER_DISTANCE: f32 = 0.01;
+/// The corners of a triangle whatever their order: two triangles with the same are one surface, and count once.
+fn corners(t: &PackedTriangle) -> [[u32; 3]; 3] {
+    let mut corners = t.vertices().map(|v| v.to_array().map(f32::to_bits));
+    corners.sort_unstable();
+    corners
+}
 
 /// About `count` points and the area of each, internal units². Systematic along the cumulative area, so that a
 /// triangle's number of points is its area's share to within one; a shifted R2 lattice within a triangle.
@@ -28,11 +32,7 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
     let each = scene.diffuse_area / count.max(1) as f64;
     let mut points = Vec::with_capacity(count + 1);
     let solids = has_closed_solids(scene);
-    let covered = |position: Vec3, normal: Vec3, triangle: usize| {
-        let from = position + normal * COVER_DISTANCE;
-        let hit = scene.bvh.closest(&scene.triangles, from, -normal, 2.0 * COVER_DISTANCE);
-        hit.is_some_and(|h| h.triangle as usize != triangle)
-    };
+    let mut seen = HashSet::new();
     if each <= 0.0 {
         return (points, 0.0);
     }
@@ -43,6 +43,7 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
             continue;
         }
         let end = before + f64::from(t.area());
+        let doubled = !seen.insert(corners(t));
         if next < end {
             let normal = t.normal();
             let shift = rng::random4(seed, 0, index as u32, 1);
@@ -53,8 +54,7 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
                 let [u, v] = square_to_triangle([x, y]);
                 let position = t.v0 + t.e1 * u + t.e2 * v;
                 let number = points.len() as u32;
-                let hidden = covered(position, normal, index)
-                    || (solids && is_buried(scene, position, normal, number));
+                let hidden = doubled || (solids && is_buried(scene, position, normal, number));
                 if !hidden {
                     points.push(AreaPoint { position, normal });
                 }
