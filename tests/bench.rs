@@ -141,7 +141,12 @@ fn bench_refuses_what_it_cannot_measure() {
         let ended = joton(&folder, words);
         let stderr = String::from_utf8_lossy(&ended.stderr);
         assert_eq!(ended.status.code(), Some(2), "joton {words}: {stderr}");
-        assert!(stderr.contains(part) && stderr.lines().count() == 1, "joton {words}: {stderr}");
+        assert!(stderr.contains(part) && ours(&stderr) == 1, "joton {words}: {stderr}");
         assert!(!folder.path().join("bench.csv").exists());
     }
+}
+
+/// Lines of the program itself: a Vulkan loader may add words of its own.
+fn ours(stderr: &str) -> usize {
+    stderr.lines().filter(|l| l.starts_with("joton: ")).count()
 }
