@@ -25,6 +25,13 @@ pub trait Backend {
         1
     }
 
+    /// How much each layer is blurred in a pass: the squared radius of its estimates, relative to the first pass; 0 for
+    /// layers without one.
+    fn blur(&self, pass: u64) -> [f64; LAYERS] {
+        let _ = pass;
+        [0.0; LAYERS]
+    }
+
     /// Render passes `first .. first + count`, numbered from 0.
     ///
     /// # Errors

@@ -3,9 +3,9 @@
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 
-/// Bytes of host memory for a pixel, from the first pass to the written file: two films (192), a batch (48 and its copy
-/// from the device), the picture (60), channels and screen values for the files (75), the backend's own state.
-const BYTES_PER_PIXEL: u64 = 512;
+/// Bytes of host memory for a pixel, from the first pass to the written file: two films (192) and what tells
+/// their blur (96), a batch (48 and its copy from the device), the picture (60), channels and screen values for the files (75), the backend's own state.
+const BYTES_PER_PIXEL: u64 = 640;
 
 /// Refuse an image that does not fit the memory that is left, before any of it is taken.
 ///
@@ -129,6 +129,11 @@ impl Film {
                 sum[b] += more[b];
             }
         }
+    }
+
+    /// Sum over the passes of one pixel of the layer with this index in [`Layer::ALL`].
+    pub fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
+        self.sums[layer][pixel]
     }
 
     /// Mean over the passes of one pixel, all layers together.

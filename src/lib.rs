@@ -10,6 +10,7 @@ pub mod cpu;
 pub mod error;
 pub mod film;
 pub mod gpu;
+mod halves;
 pub mod layout;
 pub mod memory;
 pub mod output;

@@ -3,7 +3,9 @@
 use crate::backend::{Backend, Tally};
 use crate::bands::BANDS;
 use crate::error::Result;
-use crate::film::{Film, Picture};
+use crate::film::{LAYERS, Picture};
+pub use crate::halves::ErrorEstimate;
+use crate::halves::{self, Halves};
 use std::time::Instant;
 
 /// When to stop; the first that is met. None at all: until the error estimate is [`DEFAULT_ERROR`], at most
@@ -44,23 +46,21 @@ pub struct Progress<'a> {
     pub passes: u64,
     /// Seconds of rendering.
     pub seconds: f64,
-    /// Relative error, root mean square; none before there are two halves to compare.
-    pub error: Option<f64>,
+    /// Estimate of the error; none before there are passes enough.
+    pub error: Option<ErrorEstimate>,
     /// Part of the work that is done, 0 to 1, as far as it can be told.
     pub done: f64,
     /// Processor seconds of all threads while rendering.
     pub cpu_seconds: f64,
     /// Sums of all counts so far.
     pub tally: &'a Tally,
-    halves: &'a [Film; 2],
+    halves: &'a Halves,
 }
 
 impl Progress<'_> {
     /// The mean of the passes so far. Computed for who asks; the time that takes is not counted as rendering.
     pub fn picture(&self) -> Picture {
-        let mut film = self.halves[0].clone();
-        film.merge(&self.halves[1]);
-        film.picture()
+        self.halves.picture()
     }
 }
 
@@ -103,16 +103,14 @@ pub struct Rendered {
     pub tally: Tally,
     /// Standard error of (emitted − absorbed − escaped) / emitted, from the spread between batches.
     pub energy_error: Option<f64>,
-    /// Estimate of the relative error, root mean square.
-    pub error_estimate: Option<f64>,
+    /// Estimate of the error.
+    pub error_estimate: Option<ErrorEstimate>,
     /// Why it stopped.
     pub reason: Reason,
 }
 
 /// Passes before an error estimate is trusted.
 const ERROR_PASSES: u64 = 4;
-/// What keeps the relative error of dark pixels finite: (I−R)²/(R²+this), as in `joton compare`.
-const DARK: f64 = 1e-2;
 
 /// Render until `stop`; `watch` sees every batch and returns false to stop.
 ///
@@ -129,29 +127,28 @@ pub fn render(
     } else {
         stop
     };
-    // two halves of the passes: their difference tells the noise of their mean
-    let mut halves = [Film::new(size[0], size[1]), Film::new(size[0], size[1])];
+    let mut sums = Halves::new(size);
     let mut tally = Tally::default();
     let mut imbalance = Imbalance::default();
     let mut passes = 0u64;
     let mut clock = Clock::start();
     loop {
-        let half = usize::from(halves[1].passes() < halves[0].passes());
-        let batch_passes = u64::from(backend.batch_passes(passes));
+        let batch_passes = u64::from(backend.batch_passes(passes)).min(halves::run(passes));
         let count = stop.passes.map_or(batch_passes, |most| batch_passes.min(most - passes));
         let batch = backend.render(passes, count as u32)?;
-        halves[half].add(count, &batch.layers);
+        sums.add(passes, count, &batch.layers, &mean_blur(backend, passes, count));
         tally += batch.tally;
         imbalance.add(count, &batch.tally);
         passes += count;
-        let error = (passes >= ERROR_PASSES).then(|| noise(&halves)).flatten();
+        let error = (passes >= ERROR_PASSES).then(|| sums.error()).flatten();
         let reading = clock.read();
         let [seconds, cpu_seconds] = reading;
 
         let reached =
             |value: Option<f64>, limit: Option<f64>| matches!((value, limit), (Some(v), Some(l)) if v <= l);
         let part = |value: f64, limit: Option<f64>| limit.map_or(0.0, |l| value / l);
-        let by_error = match (error, stop.error) {
+        let total = error.map(|e| e.total);
+        let by_error = match (total, stop.error) {
             (Some(e), Some(l)) => (l / e).powi(2),
             _ => 0.0,
         };
@@ -159,11 +156,11 @@ pub fn render(
             part(passes as f64, stop.passes.map(|p| p as f64)).max(part(seconds, stop.seconds)).max(by_error);
         let done = done.min(1.0);
         let go_on =
-            watch(&Progress { passes, seconds, error, done, cpu_seconds, tally: &tally, halves: &halves });
+            watch(&Progress { passes, seconds, error, done, cpu_seconds, tally: &tally, halves: &sums });
         clock.go_on_from(reading);
         let reason = if stop.passes.is_some_and(|most| passes >= most) {
             Some(Reason::Passes)
-        } else if reached(error, stop.error) {
+        } else if reached(total, stop.error) {
             Some(Reason::Error)
         } else if !go_on {
             Some(Reason::Interrupted)
@@ -173,10 +170,8 @@ pub fn render(
             None
         };
         if let Some(reason) = reason {
-            let [mut film, other] = halves;
-            film.merge(&other);
             return Ok(Rendered {
-                picture: film.picture(),
+                picture: sums.picture(),
                 passes,
                 seconds,
                 cpu_seconds,
@@ -189,28 +184,15 @@ pub fn render(
     }
 }
 
-/// Relative root mean square noise of the mean of two halves, from their difference.
-fn noise(halves: &[Film; 2]) -> Option<f64> {
-    let [a, b] = halves.each_ref().map(|h| h.passes() as f64);
-    if a == 0.0 || b == 0.0 {
-        return None;
+/// Mean of the blur of each layer over `count` passes.
+fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> [f64; LAYERS] {
+    let mut mean = [0.0; LAYERS];
+    for pass in first..first + count {
+        for (sum, b) in mean.iter_mut().zip(backend.blur(pass)) {
+            *sum += b / count as f64;
+        }
     }
-    // Var(mean of all) = Var(difference) · ab/(a+b)²
-    let share = a * b / ((a + b) * (a + b));
-    let [width, height] = halves[0].size();
-    let pixels = width as usize * height as usize;
-    let sum: f64 = (0..pixels)
-        .map(|p| {
-            let (x, y) = (halves[0].mean(p), halves[1].mean(p));
-            (0..BANDS)
-                .map(|i| {
-                    let mean = (a * x[i] + b * y[i]) / (a + b);
-                    (x[i] - y[i]).powi(2) * share / (mean * mean + DARK)
-                })
-                .sum::<f64>()
-        })
-        .sum();
-    Some((sum / (pixels * BANDS) as f64).sqrt())
+    mean
 }
 
 /// Spread between batches of emitted − absorbed − escaped.

@@ -35,8 +35,12 @@ pub struct Report {
     pub radius: Radius,
     /// Largest resident memory of the process; none where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
-    /// Estimated relative error, root mean square; none where there were too few passes.
+    /// Estimated relative error, root mean square, noise and bias; none where there were too few passes.
     pub error_estimate: Option<f64>,
+    /// What part of it is noise …
+    pub error_noise: Option<f64>,
+    /// … and what bias: the blur of the radii.
+    pub error_bias: Option<f64>,
     /// Contributions that were not finite and were left out.
     pub non_finite: u64,
     /// Paths cut at the hard limit of their length.
@@ -131,7 +135,9 @@ impl Report {
                 diffuse: radius(plan.diffuse_jotons, &plan.diffuse),
             },
             peak_memory_bytes: crate::memory::peak(),
-            error_estimate: rendered.error_estimate,
+            error_estimate: rendered.error_estimate.map(|e| e.total),
+            error_noise: rendered.error_estimate.map(|e| e.noise),
+            error_bias: rendered.error_estimate.map(|e| e.bias),
             non_finite: t.non_finite,
             truncated: t.truncated,
             kernels: around.kernels,

@@ -93,7 +93,7 @@ fn row(
         passes: progress.passes,
         rays: progress.tally.rays,
         jotons: progress.tally.jotons_emitted,
-        error_estimate: progress.error,
+        error_estimate: progress.error.map(|e| e.total),
         comparison: subject.reference.map(|r| compare(&image, r)).transpose()?,
     })
 }

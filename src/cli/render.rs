@@ -126,8 +126,9 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         Reason::Error => "the error estimate is small enough",
         Reason::Interrupted => "interrupted",
     };
-    let error =
-        rendered.error_estimate.map_or(String::new(), |e| format!(", estimated error {:.2} %", e * 100.0));
+    let error = rendered
+        .error_estimate
+        .map_or(String::new(), |e| format!(", estimated error {:.2} %", e.total * 100.0));
     say(&format!("{} passes in {:.2} s{error}: {reason}", rendered.passes, rendered.seconds));
 
     let comment = format!("{}, seed {}, {} passes", a.scene.display(), a.seed, rendered.passes);
@@ -240,7 +241,7 @@ fn progress_bar() -> ProgressBar {
 
 fn show(bar: &ProgressBar, p: &Progress<'_>) {
     bar.set_position((p.done * 1000.0) as u64);
-    let error = p.error.map_or(String::new(), |e| format!("  error {:.2} %", e * 100.0));
+    let error = p.error.map_or(String::new(), |e| format!("  error {:.2} %", e.total * 100.0));
     let eta = if p.done > 0.02 {
         format!("  {:.0} s left", p.seconds / p.done * (1.0 - p.done))
     } else {

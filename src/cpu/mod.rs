@@ -152,6 +152,10 @@ impl Backend for CpuBackend {
         format!("CPU, {} threads", rayon::current_num_threads())
     }
 
+    fn blur(&self, pass: u64) -> [f64; LAYERS] {
+        self.plan.blur(pass)
+    }
+
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tally = Tally::default();
         if self.plan.traces(Layer::Caustic) && self.caustic_base.is_empty() {

@@ -316,6 +316,10 @@ impl Backend for GpuBackend {
         }
     }
 
+    fn blur(&self, pass: u64) -> [f64; LAYERS] {
+        self.plan.blur(pass)
+    }
+
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tries = 0;
         let (films, words, tallies) = loop {

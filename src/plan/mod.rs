@@ -80,14 +80,13 @@ pub struct Skip {
 pub const CAUSTIC_FOOTPRINTS: [f32; 2] = [0.7, 4.0];
 /// … and is chosen so that about this many jotons are found in the pilot pass.
 pub const CAUSTIC_WANTED: f32 = 15.0;
-/// α of the caustic map's radius: it must shrink, its light is sharp.
-const CAUSTIC_ALPHA: f64 = 0.75;
-/// α of the diffuse map's radius: boundary-corrected and smooth, it needs little.
-const DIFFUSE_ALPHA: f64 = 0.9;
+/// α of both radii. Squared bias and variance then fall alike, with passes^(−2/3) (Knaus & Zwicker 2011); and radii
+/// differ enough between passes to tell the bias from them [E18].
+const ALPHA: f64 = 2.0 / 3.0;
 /// Base radius of the diffuse map over the square root of the diffuse area, at [`DIFFUSE_REFERENCE_JOTONS`] a pass. It
-/// falls with the square root of the jotons, so that a disc holds as many (about 120) whatever their number: more jotons
+/// falls with the square root of the jotons, so that a disc holds as many (about 190) whatever their number: more jotons
 /// buy sharpness and more passes less noise, and a pass costs the same for each pixel.
-const DIFFUSE_RADIUS: f64 = 0.0275;
+const DIFFUSE_RADIUS: f64 = 0.0344;
 /// See [`DIFFUSE_RADIUS`].
 const DIFFUSE_REFERENCE_JOTONS: f64 = 49_152.0;
 /// The diffuse radius is at most this part of the image's width, and at least this many footprints.
@@ -174,11 +173,22 @@ impl Plan {
             features,
             caustic_jotons,
             diffuse_jotons,
-            caustic: Schedule { base: caustic, alpha: CAUSTIC_ALPHA },
-            diffuse: Schedule { base: diffuse, alpha: DIFFUSE_ALPHA },
+            caustic: Schedule { base: caustic, alpha: ALPHA },
+            diffuse: Schedule { base: diffuse, alpha: ALPHA },
             skipped,
             pilot,
         }
+    }
+
+    /// How much the radii blur each layer in a pass: the squared radius, relative to the first pass; 0 without a radius.
+    pub fn blur(&self, pass: u64) -> [f64; LAYERS] {
+        let mut blur = [0.0; LAYERS];
+        for (layer, schedule) in [(Layer::Caustic, &self.caustic), (Layer::Diffuse, &self.diffuse)] {
+            if self.traces(layer) {
+                blur[layer as usize] = shrink(schedule.alpha, pass);
+            }
+        }
+        blur
     }
 
     /// True where a layer is traced.

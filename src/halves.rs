@@ -1,0 +1,292 @@
+//! Halves: the passes of a render in two halves, and what these tell of its error without a reference [E16, E18].
+//!
+//! Noise shows in the difference of the halves. Blur shows in how the estimates change with their radius from pass to
+//! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
+//! square is the product of both halves' biases, so that their noise adds nothing to it on average.
+
+use crate::bands::BANDS;
+use crate::film::{Film, LAYERS, Picture};
+use rayon::prelude::*;
+
+/// What keeps the relative error of dark pixels finite: (I−R)²/(R²+this), as in `joton compare`, (W/(m² sr))².
+const DARK: f64 = 1e-2;
+/// Blocks across and down whose spread tells how sure the squared bias is.
+const BLOCKS: usize = 8;
+/// Least spread of the squared radius over a half's passes, relative to its mean, that a line is put through.
+const SPREAD_MIN: f64 = 1e-3;
+
+/// Factor on the squared noise: it is estimated, not known, and what is rare may not have shown yet.
+const NOISE_SAFETY: f64 = 2.0;
+/// Factor on the squared bias: at an edge of light it grows more slowly than the squared radius, and a line sees part of it.
+const BIAS_SAFETY: f64 = 4.0;
+
+/// Up to so many passes the mean is taken for the pixel's brightness; of more, less and less. A lamp that fills a tenth of
+/// a pixel is often seen by one half alone.
+const TRUSTING_PASSES: f64 = 8.0;
+
+/// The passes of a render in two halves.
+#[derive(Debug, Clone)]
+pub(crate) struct Halves([Half; 2]);
+
+/// Relative errors, root mean square over pixels and bands.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ErrorEstimate {
+    /// A bound on all of it: √(2 noise² + 4 bias²).
+    pub total: f64,
+    /// What differs from seed to seed.
+    pub noise: f64,
+    /// What the radii blur, as far as it stands out of the noise.
+    pub bias: f64,
+}
+
+/// Sums over the passes of one half.
+#[derive(Debug, Clone)]
+struct Half {
+    film: Film,
+    /// Sums of radiance times blur, of the layers that are blurred; empty for the others.
+    blurred: [Vec<[f64; BANDS]>; LAYERS],
+    /// Sums over the passes of the blur and of its square, for each layer.
+    moments: [[f64; 2]; LAYERS],
+}
+
+impl Half {
+    fn new(size: [u32; 2]) -> Self {
+        let film = Film::new(size[0], size[1]);
+        Self { film, blurred: std::array::from_fn(|_| Vec::new()), moments: [[0.0; 2]; LAYERS] }
+    }
+
+    fn add(&mut self, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: &[f64; LAYERS]) {
+        self.film.add(passes, layers);
+        for (l, layer) in layers.iter().enumerate().filter(|(l, _)| blur[*l] > 0.0) {
+            self.blurred[l].resize(layer.len(), [0.0; BANDS]);
+            for (sum, radiance) in self.blurred[l].iter_mut().zip(layer) {
+                for b in 0..BANDS {
+                    sum[b] += blur[l] * f64::from(radiance[b]);
+                }
+            }
+            self.moments[l][0] += passes as f64 * blur[l];
+            self.moments[l][1] += passes as f64 * blur[l] * blur[l];
+        }
+    }
+
+    /// Factors (p, q) such that p Σ bL − q Σ L is the slope of the line through a layer's radiance L against blur b; none
+    /// where nothing is blurred or all passes alike.
+    fn line(&self, l: usize) -> Option<[f64; 2]> {
+        let n = self.film.passes() as f64;
+        let [b, bb] = self.moments[l];
+        let spread = bb - b * b / n;
+        (b > 0.0 && spread > SPREAD_MIN * bb).then(|| [1.0 / spread, b / n / spread])
+    }
+}
+
+impl Halves {
+    /// Nothing rendered yet.
+    pub(crate) fn new(size: [u32; 2]) -> Self {
+        Self([Half::new(size), Half::new(size)])
+    }
+
+    /// Add the sums of `passes` passes from pass `first` on. `blur` is the mean over them of each layer's squared radius,
+    /// relative to the first pass; 0 for layers without one.
+    pub(crate) fn add(
+        &mut self,
+        first: u64,
+        passes: u64,
+        layers: &[Vec<[f32; BANDS]>; LAYERS],
+        blur: &[f64; LAYERS],
+    ) {
+        self.0[half(first)].add(passes, layers, blur);
+    }
+
+    /// The mean of all passes.
+    pub(crate) fn picture(&self) -> Picture {
+        let mut film = self.0[0].film.clone();
+        film.merge(&self.0[1].film);
+        film.picture()
+    }
+
+    /// The error of the mean of all passes; none before there are two halves.
+    pub(crate) fn error(&self) -> Option<ErrorEstimate> {
+        let [a, b] = self.0.each_ref().map(|h| h.film.passes() as f64);
+        if a == 0.0 || b == 0.0 {
+            return None;
+        }
+        let lines: [[Option<[f64; 2]>; LAYERS]; 2] =
+            self.0.each_ref().map(|h| std::array::from_fn(|l| h.line(l)));
+        let trust = (TRUSTING_PASSES / (a + b)).min(1.0);
+        let mean_blur: [f64; LAYERS] =
+            std::array::from_fn(|l| (self.0[0].moments[l][0] + self.0[1].moments[l][0]) / (a + b));
+        let [width, height] = self.0[0].film.size().map(|n| n as usize);
+        // noise and squared bias of each row, the latter by blocks across
+        let rows: Vec<(f64, [f64; BLOCKS])> = (0..height)
+            .into_par_iter()
+            .map(|y| {
+                let (mut noise, mut bias) = (0.0, [0.0; BLOCKS]);
+                for x in 0..width {
+                    let p = y * width + x;
+                    let means = self.0.each_ref().map(|h| h.film.mean(p));
+                    let biases: [[f64; BANDS]; 2] =
+                        std::array::from_fn(|h| self.0[h].bias(p, &lines[h], &mean_blur));
+                    for i in 0..BANDS {
+                        let mean = (a * means[0][i] + b * means[1][i]) / (a + b);
+                        let weight = trust / (mean * mean + DARK)
+                            + (1.0 - trust) / (common_square(means[0][i], means[1][i]) + DARK);
+                        // Var(mean of all) = Var(difference) · ab/(a+b)²
+                        let share = a * b / ((a + b) * (a + b));
+                        noise += (means[0][i] - means[1][i]).powi(2) * share * weight;
+                        bias[x * BLOCKS / width] += biases[0][i] * biases[1][i] * weight;
+                    }
+                }
+                (noise, bias)
+            })
+            .collect();
+        let mut blocks = [0.0; BLOCKS * BLOCKS];
+        for (y, (_, bias)) in rows.iter().enumerate() {
+            for (x, b) in bias.iter().enumerate() {
+                blocks[y * BLOCKS / height * BLOCKS + x] += b;
+            }
+        }
+        let values = (width * height * BANDS) as f64;
+        let noise_squared = rows.iter().map(|r| r.0).sum::<f64>() / values;
+        let bias_squared = credible(&blocks) / values;
+        Some(ErrorEstimate {
+            total: (NOISE_SAFETY * noise_squared + BIAS_SAFETY * bias_squared).sqrt(),
+            noise: noise_squared.sqrt(),
+            bias: bias_squared.sqrt(),
+        })
+    }
+}
+
+impl Half {
+    /// What a pixel has too much for the radii: slope times mean blur, summed over the layers.
+    fn bias(
+        &self,
+        pixel: usize,
+        lines: &[Option<[f64; 2]>; LAYERS],
+        mean_blur: &[f64; LAYERS],
+    ) -> [f64; BANDS] {
+        let mut bias = [0.0; BANDS];
+        for (l, line) in lines.iter().enumerate() {
+            let Some([p, q]) = line else { continue };
+            let sum = self.film.sum(l, pixel);
+            for i in 0..BANDS {
+                bias[i] += (p * self.blurred[l][pixel][i] - q * sum[i]) * mean_blur[l];
+            }
+        }
+        bias
+    }
+}
+
+/// The half that a pass belongs to, from its first bit after the leading one: 0 | 1 | 2 | 3 | 4 5 | 6 7 | 8 9 10 11 | 12 …
+/// In a row, because passes in a row are spread evenly over the Sobol sequences, and halves shall be as the whole is. Every
+/// other pass would make halves of chance, far noisier than their sum.
+fn half(pass: u64) -> usize {
+    match pass {
+        0 | 1 => pass as usize,
+        _ => (pass >> (pass.ilog2() - 1) & 1) as usize,
+    }
+}
+
+/// Passes from `pass` on, itself among them, that belong to one half.
+pub(crate) fn run(pass: u64) -> u64 {
+    let length = if pass < 2 { 1 } else { 1 << (pass.ilog2() - 1) };
+    length - pass % length
+}
+
+/// The square of what both halves have seen: the harmonic mean of their squares. What only one has seen is an error of a
+/// dark pixel, not a bright pixel.
+fn common_square(a: f64, b: f64) -> f64 {
+    let [a, b] = [a, b].map(|x| x.max(0.0).powi(2));
+    if a + b > 0.0 { 2.0 * a * b / (a + b) } else { 0.0 }
+}
+
+/// The sum of parts that each are noisy, as far as it is credible: S · S²/(S² + its variance), 0 below 0.
+fn credible(parts: &[f64]) -> f64 {
+    let n = parts.len() as f64;
+    let sum: f64 = parts.iter().sum();
+    let variance = parts.iter().map(|p| (p - sum / n).powi(2)).sum::<f64>() * n / (n - 1.0);
+    if sum <= 0.0 { 0.0 } else { sum * sum * sum / (sum * sum + variance) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Layer;
+    use crate::rng::random4;
+
+    const SIZE: [u32; 2] = [40, 40];
+    const PIXELS: usize = 1600;
+
+    /// The halves after `passes` passes in which each pixel of the diffuse layer has the radiance `at(pass, pixel)`.
+    fn after(passes: u64, blur: impl Fn(u64) -> f64, at: impl Fn(u64, usize) -> f64) -> Halves {
+        let mut halves = Halves::new(SIZE);
+        for pass in 0..passes {
+            let mut layers: [Vec<[f32; BANDS]>; LAYERS] = std::array::from_fn(|_| vec![[0.0; BANDS]; PIXELS]);
+            for (p, value) in layers[Layer::Diffuse as usize].iter_mut().enumerate() {
+                *value = [at(pass, p) as f32; BANDS];
+            }
+            let mut of_layers = [0.0; LAYERS];
+            of_layers[Layer::Diffuse as usize] = blur(pass);
+            halves.add(pass, 1, &layers, &of_layers);
+        }
+        halves
+    }
+
+    /// Uniform in −1 to 1: variance 1/3.
+    fn uniform(pass: u64, pixel: usize) -> f64 {
+        2.0 * f64::from(random4(5, pass as u32, pixel as u32, 0)[0]) - 1.0
+    }
+
+    /// Independent noise is told to 5 %, and bounded by √2 of it; no bias is seen in it.
+    #[test]
+    fn noise_of_the_mean_is_found() {
+        for passes in [4, 7, 16, 100] {
+            let e = after(passes, |_| 1.0, |n, p| 2.0 + 0.1 * uniform(n, p)).error().expect("two halves");
+            let truth = 0.1 / (3.0 * passes as f64 * (4.0 + DARK)).sqrt();
+            assert!((e.noise / truth - 1.0).abs() < 0.05, "{passes} passes: {e:?}, truth {truth}");
+            assert!((e.total / e.noise - NOISE_SAFETY.sqrt()).abs() < 1e-9, "{e:?}");
+        }
+    }
+
+    /// What grows with the squared radius is bias, to 5 % where it stands out of the noise.
+    #[test]
+    fn blur_is_found() {
+        let blur = |pass: u64| ((pass + 1) as f64).powf(-1.0 / 3.0);
+        let passes = 256;
+        let mean_blur = (0..passes).map(blur).sum::<f64>() / passes as f64;
+        for noise in [0.0, 0.1] {
+            let halves = after(passes, blur, |n, p| 2.0 - 0.3 * blur(n) + noise * uniform(n, p));
+            let e = halves.error().expect("two halves");
+            let truth = 0.3 * mean_blur / (2.0 - 0.3 * mean_blur);
+            assert!((e.bias / truth - 1.0).abs() < 0.05, "{e:?}, truth {truth}");
+        }
+        // drowned in noise it is not made up
+        let e = after(passes, blur, |n, p| 2.0 + uniform(n, p)).error().expect("two halves");
+        assert!(e.bias < 0.5 * e.noise, "{e:?}");
+    }
+
+    /// One pixel in 1600, dark, that a single pass in 100 finds bright: the error of the mean is bounded, though the mean
+    /// itself is bright.
+    #[test]
+    fn what_one_pass_alone_has_seen_is_an_error() {
+        let e = after(100, |_| 0.0, |n, p| if (n, p) == (37, 800) { 50.0 } else { 0.0 });
+        let e = e.error().expect("two halves");
+        let truth = (0.5f64.powi(2) / DARK / PIXELS as f64).sqrt();
+        assert!(e.total > truth && e.total < 3.0 * truth, "{e:?}, truth {truth}");
+    }
+
+    /// Halves are equally many at powers of two, and never more than twice as many as the other.
+    #[test]
+    fn halves_are_halves() {
+        let mut counts = [0u64; 2];
+        for pass in 0..4096u64 {
+            counts[half(pass)] += 1;
+            assert!((pass..pass + run(pass)).all(|p| half(p) == half(pass)), "{pass}");
+            assert_ne!(half(pass + run(pass)), half(pass), "{pass}");
+            let n = pass + 1;
+            if n.is_power_of_two() && n > 1 {
+                assert_eq!(counts[0], counts[1], "{n}");
+            }
+            assert!(n < 2 || counts[0] <= 2 * counts[1], "{n}: {counts:?}");
+        }
+    }
+}
