@@ -20,8 +20,8 @@ const NOISE_SAFETY: f64 = 2.0;
 /// Factor on the squared bias: at an edge of light it grows more slowly than the squared radius, and a line sees part of it.
 const BIAS_SAFETY: f64 = 4.0;
 
-/// Up to so many passes the mean is taken for the pixel's brightness; of more, less and less. A lamp that fills a tenth of
-/// a pixel is often seen by one half alone.
+/// Up to so many passes the mean is taken for the pixel's brightness, and bias for noise; of more, less and less. A lamp
+/// that fills a tenth of a pixel is often seen by one half alone, and a line through two passes goes anywhere.
 const TRUSTING_PASSES: f64 = 8.0;
 
 /// The passes of a render in two halves.
@@ -31,7 +31,7 @@ pub(crate) struct Halves([Half; 2]);
 /// Relative errors, root mean square over pixels and bands.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ErrorEstimate {
-    /// A bound on all of it: √(2 noise² + 4 bias²).
+    /// A bound on all of it: √(2 noise² + 4 bias²), of the bias no more than there is noise: both fall alike.
     pub total: f64,
     /// What differs from seed to seed.
     pub noise: f64,
@@ -148,8 +148,9 @@ impl Halves {
         let values = (width * height * BANDS) as f64;
         let noise_squared = rows.iter().map(|r| r.0).sum::<f64>() / values;
         let bias_squared = credible(&blocks) / values;
+        let believed = ((1.0 - trust) * bias_squared).min(noise_squared);
         Some(ErrorEstimate {
-            total: (NOISE_SAFETY * noise_squared + BIAS_SAFETY * bias_squared).sqrt(),
+            total: (NOISE_SAFETY * noise_squared + BIAS_SAFETY * believed).sqrt(),
             noise: noise_squared.sqrt(),
             bias: bias_squared.sqrt(),
         })

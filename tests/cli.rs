@@ -36,6 +36,8 @@ impl Folder {
     fn command(&self, words: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_joton"));
         command.args(words.split_whitespace()).current_dir(self.0.path()).stdin(Stdio::null());
+        // without one, Vulkan loaders complain on stderr
+        command.env("XDG_RUNTIME_DIR", self.0.path());
         command
     }
 

@@ -8,6 +8,7 @@
 mod build;
 mod caustics;
 mod direct;
+mod estimate;
 mod exchange;
 mod furnace;
 mod glass;
