@@ -9,7 +9,7 @@
 //! bias² = mean (Ī − R₁)(Ī − R₂) − s²/RUNS,  variance = s²,  both over (R² + 0.01), a class's over the whole image's R.
 //!
 //! Writes OUT_PREFIX.csv (one line for each scene, class and number of passes), OUT_PREFIX-estimate.csv (one line for each
-//! run: error estimate and truth) and OUT_PREFIX-SCENE.svg.
+//! run: error estimate and truth) and OUT_PREFIX-SCENE.svg; prints slopes and how the estimate held, as Markdown.
 
 use joton::cpu::CpuBackend;
 use joton::film::{LAYERS, Layer, Picture};
@@ -44,6 +44,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (passes, runs, size): (u64, u32, u32) = (passes.parse()?, runs.parse()?, size.parse()?);
     let mut table = "scene,class,passes,relmse,bias_squared,variance\n".to_string();
     let mut estimates = "scene,seed,passes,estimate,noise,bias,truth\n".to_string();
+    println!(
+        "| scene | passes | relMSE after 1 | after all | slope | slope of the last decade | bias² in it | variance in it |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    let mut ratios = Vec::new();
     for path in scenes {
         let name = Path::new(path).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         let mut scene = joton::scene::load(Path::new(path))?;
@@ -52,6 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let reference = reference(&packed, passes * REFERENCE_PASSES)?;
         eprintln!("{name}: reference done");
         let steps = measure(&packed, passes, runs, &reference, |seed, n, e, truth| {
+            ratios.push(e.total / truth);
             writeln!(
                 estimates,
                 "{name},{seed},{n},{:.4e},{:.4e},{:.4e},{truth:.4e}",
@@ -66,11 +72,48 @@ fn main() -> Result<(), Box<dyn Error>> {
                 writeln!(table, "{name},{class},{n},{:.4e},{bias:.4e},{variance:.4e}", bias + variance)?;
             }
         }
+        print_slopes(&name, &steps, &reference);
         std::fs::write(format!("{prefix}-{name}.svg"), plot(&name, &steps, &reference)?)?;
         std::fs::write(format!("{prefix}.csv"), &table)?;
         std::fs::write(format!("{prefix}-estimate.csv"), &estimates)?;
     }
+    ratios.sort_by(f64::total_cmp);
+    let share = |held: usize| 100.0 * held as f64 / ratios.len() as f64;
+    println!();
+    println!(
+        "Estimate over truth, {} pictures: at least 1 in {:.1} %, at most 3 in {:.1} %; median {:.2}.",
+        ratios.len(),
+        share(ratios.iter().filter(|r| **r >= 1.0).count()),
+        share(ratios.iter().filter(|r| **r <= 3.0).count()),
+        ratios.get(ratios.len() / 2).unwrap_or(&f64::NAN)
+    );
     Ok(())
+}
+
+/// One row of the table: how relMSE falls with the passes, by least squares through the logarithms.
+fn print_slopes(name: &str, steps: &[(u64, Moments)], reference: &[Values; 2]) {
+    let parts: Vec<(f64, [f64; 2])> =
+        steps.iter().map(|(n, m)| (*n as f64, m.parts(reference)[LAYERS])).collect();
+    let slope = |from: f64| {
+        let points: Vec<(f64, f64)> = parts
+            .iter()
+            .filter(|(n, p)| *n >= from && p[0] + p[1] > 0.0)
+            .map(|(n, p)| (n.ln(), (p[0] + p[1]).ln()))
+            .collect();
+        let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
+        let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+        mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2))
+    };
+    let (Some((_, first)), Some((n, last))) = (parts.first(), parts.last()) else { return };
+    println!(
+        "| {name} | {n} | {:.1e} | {:.1e} | {:.2} | {:.2} | {:.1e} | {:.1e} |",
+        first[0] + first[1],
+        last[0] + last[1],
+        slope(1.0),
+        slope(n / 10.0),
+        last[0],
+        last[1]
+    );
 }
 
 fn values(picture: &Picture) -> Values {
@@ -172,7 +215,7 @@ fn measure(
     Ok(steps)
 }
 
-/// Squared bias (dashed in spirit: thin) and variance (thick) of each class over the passes.
+/// Squared bias (thin) and variance (thick) of each class over the passes.
 fn plot(name: &str, steps: &[(u64, Moments)], reference: &[Values; 2]) -> Result<String, Box<dyn Error>> {
     const COLOURS: [RGBColor; CLASSES] = [
         RGBColor(86, 180, 233),
