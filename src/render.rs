@@ -131,6 +131,7 @@ pub fn render(
     let mut tally = Tally::default();
     let mut imbalance = Imbalance::default();
     let mut passes = 0u64;
+    let mut error = None;
     let mut clock = Clock::start();
     loop {
         let batch_passes = u64::from(backend.batch_passes(passes)).min(halves::run(passes));
@@ -140,7 +141,9 @@ pub fn render(
         tally += batch.tally;
         imbalance.add(count, &batch.tally);
         passes += count;
-        let error = (passes >= ERROR_PASSES).then(|| sums.error()).flatten();
+        if is_estimated(passes) {
+            error = sums.error();
+        }
         let reading = clock.read();
         let [seconds, cpu_seconds] = reading;
 
@@ -177,11 +180,17 @@ pub fn render(
                 cpu_seconds,
                 tally,
                 energy_error: imbalance.relative_error(),
-                error_estimate: error,
+                error_estimate: if passes >= ERROR_PASSES { sums.error() } else { None },
                 reason,
             });
         }
     }
+}
+
+/// Whether the error is estimated after so many passes: after each one first, later after every sixteenth part of them, so
+/// that it costs nothing.
+fn is_estimated(passes: u64) -> bool {
+    passes >= ERROR_PASSES && passes.is_multiple_of(1 << passes.ilog2().saturating_sub(4))
 }
 
 /// Mean of the blur of each layer over `count` passes.
