@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 21] = [
         ],
     ),
     ("bench", &["render", "output", "backend", "film"]),
-    ("report", &["render", "plan", "pack", "memory"]),
+    ("report", &["render", "backend", "plan", "pack", "memory"]),
     ("render", &["backend", "film"]),
     ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng"]),
     ("cpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng"]),
