@@ -10,7 +10,7 @@ use crate::device::Device;
 use glam::{DVec3, Vec3};
 use joton::cpu::harness;
 use joton::pack::{EmitterKind, PackedEmitter, PackedScene};
-use joton::scene::Light;
+use joton::scene;
 use std::f64::consts::{PI, TAU};
 
 const COUNT: u32 = 1 << 18;
@@ -29,7 +29,7 @@ struct Start {
 const SIDES: [&str; 2] = ["host", "device"];
 
 /// Three glass spheres that overlap as seen from the light, on a floor.
-fn scene(build: fn(&mut Builder)) -> PackedScene {
+fn lit_by(build: fn(&mut Builder)) -> PackedScene {
     let mut b = Builder::new([0., 1., 5.], [0.; 3], [0., 1., 0.], 0.5, 16);
     let floor = b.matte(0.5);
     let g = b.material(glass(1.5));
@@ -41,15 +41,18 @@ fn scene(build: fn(&mut Builder)) -> PackedScene {
     PackedScene::new(&b.scene)
 }
 
+/// Name of a light, and what puts it there.
+type Light = (&'static str, fn(&mut Builder));
+
 /// The scenes by their light; the lamp faces all spheres from everywhere, so that no aimed joton is lost.
-const LIGHTS: [(&str, fn(&mut Builder)); 4] = [
+const LIGHTS: [Light; 4] = [
     ("triangle", |b| {
         let lamp = b.material(emitter(2.0, 0.0));
         b.triangle([[-0.5, 1.5, -0.5], [0.7, 1.5, -0.3], [-0.2, 1.5, 0.6]].map(DVec3::from), lamp);
     }),
     ("point", |b| b.point_light([0.4, 1.2, -0.3], 3.0)),
     ("spot", |b| {
-        b.scene.lights.push(Light::Spot {
+        b.scene.lights.push(scene::Light::Spot {
             position: DVec3::new(1.0, 1.5, 0.5),
             direction: DVec3::new(-1.0, -1.7, -0.5).normalize(),
             intensity: [2.0; 3],
@@ -59,7 +62,7 @@ const LIGHTS: [(&str, fn(&mut Builder)); 4] = [
     }),
     ("sun", |b| {
         let direction = DVec3::new(0.3, -1.0, 0.2).normalize();
-        b.scene.lights.push(Light::Sun { direction, irradiance: [2.0; 3] });
+        b.scene.lights.push(scene::Light::Sun { direction, irradiance: [2.0; 3] });
     }),
 ];
 
@@ -221,7 +224,7 @@ fn wanted_flux(scene: &PackedScene, e: &PackedEmitter, s: &Start, caustic: bool)
 fn jotons_start_by_their_laws() {
     let mut claims = Claims::default();
     for (light, build) in LIGHTS {
-        let scene = scene(build);
+        let scene = lit_by(build);
         let [e] = &scene.emitters[..] else { panic!("{light}: one emitter") };
         for side in SIDES {
             for caustic in [false, true] {
@@ -322,7 +325,7 @@ fn together(e: &PackedEmitter, starts: &[Option<Start>]) -> f64 {
 /// Directions into overlapping cones, from places near and far.
 #[test]
 fn aimed_directions_follow_the_mixture_of_cones() {
-    let scene = scene(LIGHTS[1].1);
+    let scene = lit_by(LIGHTS[1].1);
     let size = f64::from((scene.bounds[1] - scene.bounds[0]).length());
     let middle = scene.targets[0].center.as_dvec3();
     let mut claims = Claims::default();

@@ -9,8 +9,16 @@ mod common;
 
 mod bsdf;
 mod chi_square;
+mod determinism;
 mod device;
 mod directions;
 mod emission;
+mod images;
+mod negative;
+mod non_finite;
 mod picking;
 mod random_numbers;
+mod random_scenes;
+mod recipe;
+mod renders;
+mod walls;
