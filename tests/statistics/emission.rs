@@ -293,13 +293,16 @@ fn jotons_start_by_their_laws() {
 }
 
 fn check_flux(name: &str, scene: &PackedScene, e: &PackedEmitter, starts: &[Option<Start>], caustic: bool) {
+    // Vulkan grants sines an error of 2^-11: of a spot's 1 − cosine of 0.1 that is 1e-4, and over its rim, 0.07 wide, the
+    // falloff is up to 21 times as steep. Elsewhere cosines are rounded at 1e-7.
+    let steep = name.starts_with("device, spot");
+    let rounding = f64::from(e.strength[0]) / f64::from(EMITTED) * if steep { 2e-3 } else { 1e-4 };
     let mut tested = 0;
     for s in starts.iter().flatten() {
         let Some(wanted) = wanted_flux(scene, e, s, caustic) else { continue };
         tested += 1;
-        // the falloff is steep: cosines are rounded at 1e-7, its width is 0.07
-        let unit = f64::from(e.strength[0]) / f64::from(EMITTED) * 1e-4;
-        assert!((s.flux - wanted).abs() < 1e-4 * wanted + unit, "{name}: flux {}, not {wanted}", s.flux);
+        let off = (s.flux - wanted).abs();
+        assert!(off < 1e-4 * wanted + rounding, "{name}: flux {}, not {wanted}", s.flux);
     }
     assert!(tested > starts.len() / 4, "{name}: flux of {tested} jotons");
 }
