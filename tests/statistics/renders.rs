@@ -63,17 +63,23 @@ pub fn run(side: Side, scene: &Arc<PackedScene>, plan: Plan, passes: u64) -> Ren
     rendered
 }
 
-/// Independent renders.
+/// Independent renders of a plan that `adjust` may change.
 pub fn pictures(
     side: Side,
     scene: &Arc<PackedScene>,
     paths: &str,
     seeds: Range<u32>,
     passes: u64,
+    adjust: impl Fn(&mut Plan),
 ) -> Vec<Picture> {
     // seeds of the sides are never the same
     let first = crate::chi_square::seed() * 10_000 + side as u32 * 1000;
-    seeds.map(|s| run(side, scene, plan(scene, paths, first + s), passes).picture).collect()
+    let render = |s| {
+        let mut plan = plan(scene, paths, first + s);
+        adjust(&mut plan);
+        run(side, scene, plan, passes).picture
+    };
+    seeds.map(render).collect()
 }
 
 /// One layer of each picture.
