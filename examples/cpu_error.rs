@@ -57,7 +57,11 @@ fn main() -> joton::Result<()> {
         let balance: Vec<f64> = (0..3).map(|b| (t.absorbed[b] + t.escaped[b]) / t.emitted[b]).collect();
         println!(
             "        rays {} emitted {} stored {} (absorbed+escaped)/emitted {balance:.5?} non-finite {} truncated {}",
-            t.rays, t.jotons_emitted, t.jotons_stored, t.non_finite, t.truncated
+            t.rays,
+            t.jotons_emitted,
+            t.jotons_stored,
+            t.non_finite.total(),
+            t.truncated
         );
     }
     let picture = film.picture();

@@ -64,9 +64,74 @@ pub struct Tally {
     /// Flux that left the scene.
     pub escaped: [f64; BANDS],
     /// Contributions that were not finite and were left out of the film.
-    pub non_finite: u64,
+    pub non_finite: NonFinite,
     /// Paths cut at the hard limit of their length.
     pub truncated: u64,
+}
+
+/// Where a value that is not finite was met. It is left out there and counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// Flux of a joton that was to be stored (CPU backend).
+    Joton,
+    /// Radiance of one layer of a pixel in one pass (CPU backend).
+    Pixel,
+    /// Radiance of one layer of a pixel, summed over a batch, as it was read back (GPU backend).
+    ReadBack,
+    /// Light found by a path (path tracer).
+    Path,
+}
+
+/// Number of causes.
+const CAUSES: usize = 4;
+
+impl Cause {
+    /// All causes, in the order in which they are counted.
+    pub const ALL: [Cause; CAUSES] = [Cause::Joton, Cause::Pixel, Cause::ReadBack, Cause::Path];
+
+    /// Name, lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cause::Joton => "joton",
+            Cause::Pixel => "pixel",
+            Cause::ReadBack => "read_back",
+            Cause::Path => "path",
+        }
+    }
+}
+
+/// How often a value was not finite, by cause. As JSON an object: `total`, then each cause by its name.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct NonFinite([u64; CAUSES]);
+
+impl NonFinite {
+    /// Count one more.
+    pub fn count(&mut self, cause: Cause) {
+        self.0[cause as usize] += 1;
+    }
+
+    /// How often for this cause.
+    pub fn of(&self, cause: Cause) -> u64 {
+        self.0[cause as usize]
+    }
+
+    /// How often in all.
+    pub fn total(&self) -> u64 {
+        self.0.iter().sum()
+    }
+}
+
+impl std::ops::AddAssign for NonFinite {
+    fn add_assign(&mut self, o: Self) {
+        self.0.iter_mut().zip(o.0).for_each(|(sum, more)| *sum += more);
+    }
+}
+
+impl serde::Serialize for NonFinite {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let causes = Cause::ALL.map(|cause| (cause.name(), self.of(cause)));
+        serializer.collect_map([("total", self.total())].into_iter().chain(causes))
+    }
 }
 
 impl std::ops::AddAssign for Tally {

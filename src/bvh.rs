@@ -79,7 +79,7 @@ impl Bvh {
         deepest
     }
 
-    /// The nearest triangle with distance in `(0, t_max)`.
+    /// The nearest triangle with distance in `(0, t_max)`; `direction` is a unit vector (see [`Bvh::occluded`]).
     pub fn closest<T: Edges>(
         &self,
         triangles: &[T],
@@ -101,9 +101,12 @@ impl Bvh {
         found.then_some(Hit { triangle: hit.primitive_id, t: hit.t, u: uv.0, v: uv.1 })
     }
 
-    /// True where some triangle lies in `(0, t_max)`.
+    /// True where some triangle lies in `(0, t_max)`, in units of the ray's direction.
     pub fn occluded<T: Edges>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> bool {
-        let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
+        // obvhs leaves out boxes that end before t = 1e-4, whatever the direction's length: a shadow ray to the sun, 4096
+        // units long, would not see what stands within 0.4
+        let length = direction.length();
+        let ray = Ray::new(origin.into(), (direction / length).into(), 0.0, t_max * length);
         !self.wide.ray_traverse_miss(ray, |ray, id| {
             intersect_triangle(ray.origin, ray.direction, &triangles[id]).map_or(f32::INFINITY, |h| h.0)
         })

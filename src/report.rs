@@ -1,5 +1,6 @@
 //! Report: what a render did, as JSON.
 
+use crate::backend::NonFinite;
 use crate::bands::BANDS;
 use crate::pack::PackedScene;
 use crate::plan::{Plan, Skip};
@@ -41,8 +42,8 @@ pub struct Report {
     pub error_noise: Option<f64>,
     /// … and what bias: the blur of the radii.
     pub error_bias: Option<f64>,
-    /// Contributions that were not finite and were left out.
-    pub non_finite: u64,
+    /// Contributions that were not finite and were left out, by cause.
+    pub non_finite: NonFinite,
     /// Paths cut at the hard limit of their length.
     pub truncated: u64,
     /// Seconds and dispatches of each kernel, where they were measured (--timings).

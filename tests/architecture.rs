@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 22] = [
         ],
     ),
     ("bench", &["render", "output", "backend", "film"]),
-    ("report", &["render", "plan", "pack", "memory"]),
+    ("report", &["render", "backend", "plan", "pack", "memory"]),
     ("render", &["halves", "backend", "film"]),
     ("halves", &["film"]),
     ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng"]),

@@ -140,7 +140,7 @@ fn narrowness(t: &Target, origin: Vec3) -> f32 {
 }
 
 /// A direction from `origin` into the cones of the targets and its pdf_solid_angle.
-fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
+pub(super) fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
     let (chosen, rest, total) = choose(targets, u[0], |t| narrowness(t, origin));
     let t = &targets[chosen];
     let axis = (t.center - origin).normalize();

@@ -11,6 +11,8 @@ mod emit;
 mod eye;
 mod gather;
 mod glint;
+#[doc(hidden)]
+pub mod harness;
 mod kd_tree;
 mod maps;
 mod path_tracer;

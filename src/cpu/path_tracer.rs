@@ -8,7 +8,7 @@ use super::direct::{pdf_light, sample_light};
 use super::eye::camera_ray;
 use super::ray::{Surface, lift, visible};
 use super::streams::DIMENSION_PATH;
-use crate::backend::{Backend, Batch, Tally};
+use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
@@ -88,12 +88,21 @@ struct Path<'a> {
     events: Vec<Event>,
     layers: [Bands; LAYERS],
     rays: u64,
-    non_finite: u64,
+    non_finite: NonFinite,
 }
 
 impl<'a> Path<'a> {
     fn new(scene: &'a PackedScene, plan: &'a Plan, pixel: u32, pass: u32) -> Self {
-        Self { scene, plan, pixel, pass, events: Vec::new(), layers: [BLACK; LAYERS], rays: 0, non_finite: 0 }
+        Self {
+            scene,
+            plan,
+            pixel,
+            pass,
+            events: Vec::new(),
+            layers: [BLACK; LAYERS],
+            rays: 0,
+            non_finite: NonFinite::default(),
+        }
     }
 
     fn random(&self, draw: u32) -> [f32; 4] {
@@ -117,7 +126,7 @@ impl<'a> Path<'a> {
             _ => Layer::Diffuse,
         };
         if radiance.iter().any(|x| !x.is_finite()) {
-            self.non_finite += 1;
+            self.non_finite.count(Cause::Path);
             return;
         }
         let sum = &mut self.layers[layer as usize];
@@ -125,7 +134,7 @@ impl<'a> Path<'a> {
     }
 
     /// The radiance of one path, by layer; rays; contributions left out.
-    fn trace(mut self) -> ([Bands; LAYERS], u64, u64) {
+    fn trace(mut self) -> ([Bands; LAYERS], u64, NonFinite) {
         self.walk();
         (self.layers, self.rays, self.non_finite)
     }

@@ -4,7 +4,7 @@ use super::boundary::{Interior, Weights, weights};
 use super::gather::{Window, count, radiance};
 use super::maps::{AreaMap, JotonMap};
 use super::{Pass, direct, eye, glint};
-use crate::backend::Tally;
+use crate::backend::{Cause, Tally};
 use crate::bands::{Bands, add};
 use crate::film::{LAYERS, Layer};
 use crate::pack::PackedScene;
@@ -48,7 +48,7 @@ pub(super) fn render(pass: &Pass, layers: &mut [Vec<Bands>; LAYERS]) -> Tally {
                     if radiance.iter().all(|x| is_finite(*x)) {
                         layer[local] = add(&layer[local], &radiance);
                     } else {
-                        tally.non_finite += 1;
+                        tally.non_finite.count(Cause::Pixel);
                     }
                 }
             }

@@ -9,7 +9,7 @@ use super::emit::{Start, aimed, by_law};
 use super::maps::Joton;
 use super::ray::{Ray, Surface};
 use super::streams::*;
-use crate::backend::Tally;
+use crate::backend::{Cause, Tally};
 use crate::bands::{BANDS, Bands, max, mul, scale};
 use crate::pack::PackedScene;
 use crate::paths::{DEAD, Event, LightPaths};
@@ -217,7 +217,7 @@ impl Tracer<'_> {
             return;
         }
         if flux.iter().any(|x| !x.is_finite()) {
-            self.tally.non_finite += 1;
+            self.tally.non_finite.count(Cause::Joton);
             return;
         }
         self.stored.push(Joton { position: s.position, wi: s.back, flux: *flux, normal: s.ng, state });

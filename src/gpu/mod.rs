@@ -17,7 +17,7 @@ pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
 pub use shaders::{SOURCES, link, link_source};
 
-use crate::backend::{Backend, Batch, Tally};
+use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 use crate::film::LAYERS;
@@ -377,12 +377,12 @@ impl Backend for GpuBackend {
 }
 
 /// A pixel, or black and counted where a band is not finite (tested by bits).
-fn keep_finite(p: &[f32; 4], non_finite: &mut u64) -> Bands {
+fn keep_finite(p: &[f32; 4], non_finite: &mut NonFinite) -> Bands {
     let bands: Bands = std::array::from_fn(|b| p[b]);
     if bands.iter().all(|x| x.to_bits() & 0x7f80_0000 != 0x7f80_0000) {
         return bands;
     }
-    *non_finite += 1;
+    non_finite.count(Cause::ReadBack);
     [0.0; BANDS]
 }
 

@@ -89,7 +89,7 @@ pub fn render(renderer: Renderer, scene: &Scene, paths: &str, passes: u64) -> Sh
     let each = passes.div_ceil(GROUPS);
     let groups = (0..GROUPS).map(|g| {
         let batch = backend.render(g * each, each as u32).expect("renders");
-        assert_eq!((batch.tally.non_finite, batch.tally.truncated), (0, 0), "{renderer:?}");
+        assert_eq!((batch.tally.non_finite.total(), batch.tally.truncated), (0, 0), "{renderer:?}");
         batch.layers.map(|l| l.iter().map(|p| p.map(|x| f64::from(x) / each as f64)).collect())
     });
     Shot { renderer, size: scene.size, groups: groups.collect() }

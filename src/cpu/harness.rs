@@ -1,0 +1,88 @@
+//! Harness: samplers that the backend keeps to itself, for the tests of their distributions.
+
+use super::bsdf::sample_mirror;
+use super::emit::{self, Start};
+use super::eye::camera_ray;
+use super::ray::Surface;
+use super::streams::*;
+use crate::bands::Bands;
+use crate::pack::{NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
+use crate::rng::{sequence_seed, sobol2};
+use glam::Vec3;
+
+/// Every stream of Sobol pairs.
+pub const STREAMS: [u32; 10] = [
+    STREAM_JITTER,
+    STREAM_LIGHT,
+    STREAM_CAUSTIC_PLACE,
+    STREAM_CAUSTIC_DIRECTION,
+    STREAM_DIFFUSE_PLACE,
+    STREAM_DIFFUSE_DIRECTION,
+    STREAM_AREA,
+    STREAM_CHOICE,
+    STREAM_GLINT_JITTER,
+    STREAM_GLINT_CHOICE,
+];
+
+/// First dimension of hashed numbers of each purpose.
+pub const DIMENSIONS: [u32; 6] =
+    [DIMENSION_EYE, DIMENSION_BSDF, DIMENSION_CAUSTIC, DIMENSION_DIFFUSE, DIMENSION_PATH, DIMENSION_GLINT];
+
+/// Origin, direction and flux of joton `index`, of `count` a pass; none where it would carry nothing.
+pub fn emit(
+    scene: &PackedScene,
+    seed: u32,
+    caustic: bool,
+    index: u32,
+    count: u32,
+) -> Option<(Vec3, Vec3, Bands)> {
+    let draw = |stream| sobol2(index, sequence_seed(seed, 0, stream));
+    let count = count as f32;
+    let start = if caustic {
+        emit::aimed(scene, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)
+    } else {
+        Some(emit::by_law(scene, draw(STREAM_DIFFUSE_PLACE), draw(STREAM_DIFFUSE_DIRECTION), count))
+    };
+    start.map(|Start { origin, direction, flux }| (origin, direction, flux))
+}
+
+/// A direction from `origin` into the cones of the targets and its pdf_solid_angle.
+pub fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
+    emit::into_cones(targets, origin, u)
+}
+
+/// Number of the emitter that `u` picks, and what is left of `u`.
+pub fn pick(emitters: &[PackedEmitter], u: f32) -> (usize, f32) {
+    let (picked, rest) = emit::pick(emitters, u);
+    let number = emitters.iter().position(|e| std::ptr::eq(e, picked));
+    (number.unwrap_or(emitters.len()), rest)
+}
+
+/// Direction of the camera's ray of a pixel in a pass.
+pub fn camera_direction(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -> Vec3 {
+    camera_ray(scene, seed, pixel, pass).direction
+}
+
+/// A direction of the S lobe of `material` on a flat surface, toward `back` before.
+pub fn mirror_lobe(material: &PackedMaterial, back: Vec3, normal: Vec3, u: [f32; 2]) -> Option<Vec3> {
+    let triangle = PackedTriangle {
+        v0: Vec3::ZERO,
+        material: 0,
+        e1: Vec3::X,
+        flags: 0,
+        e2: Vec3::Y,
+        emitter: NO_EMITTER,
+    };
+    let surface = Surface {
+        position: Vec3::ZERO,
+        back,
+        distance: 1.0,
+        ng: normal,
+        ns: normal,
+        front: true,
+        smooth: false,
+        triangle: &triangle,
+        material,
+    };
+    sample_mirror(&surface, u)
+}

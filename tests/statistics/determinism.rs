@@ -1,0 +1,92 @@
+//! Determinism: one seed and device give one image, bit for bit, whatever the threads, the order of the passes and the
+//! batches they come in.
+
+use crate::renders::{EVERYTHING, Side, file, open, plan};
+use joton::backend::Batch;
+use joton::film::LAYERS;
+use joton::pack::PackedScene;
+use std::sync::Arc;
+
+/// Passes beyond the first group of area points (16 passes).
+const PASSES: u64 = 18;
+
+fn scene() -> Arc<PackedScene> {
+    Arc::new(PackedScene::new(&file("spheres.toml", 16)))
+}
+
+fn bits(batch: &Batch) -> Vec<u32> {
+    batch.layers.iter().flatten().flatten().map(|x| x.to_bits()).collect()
+}
+
+/// Each pass alone, in this order.
+fn singly(side: Side, scene: &Arc<PackedScene>, order: impl Iterator<Item = u64>) -> Vec<(u64, Batch)> {
+    let mut backend = open(side, scene, plan(scene, EVERYTHING, 3));
+    order.map(|p| (p, backend.render(p, 1).unwrap_or_else(|e| panic!("{e}")))).collect()
+}
+
+/// The sums of passes in f32, one after the other, as a batch takes them.
+fn summed(passes: &[(u64, Batch)]) -> Vec<u32> {
+    let mut sum: [Vec<[f32; 3]>; LAYERS] = passes[0].1.layers.clone();
+    for (_, batch) in &passes[1..] {
+        for (s, x) in sum.iter_mut().flatten().flatten().zip(batch.layers.iter().flatten().flatten()) {
+            *s += x;
+        }
+    }
+    sum.iter().flatten().flatten().map(|x| x.to_bits()).collect()
+}
+
+fn sides() -> impl Iterator<Item = Side> {
+    let device = crate::common::device().map(|_| Side::Device);
+    [Side::Host, Side::PathTracer].into_iter().chain(device)
+}
+
+/// A pass has the same bits whatever was rendered before it, and each time it is rendered.
+#[test]
+fn passes_do_not_depend_on_what_came_before() {
+    let scene = scene();
+    for side in sides() {
+        let forward = singly(side, &scene, 0..PASSES);
+        // every pass, out of order, from the last group on, and some once more
+        let jumping = singly(side, &scene, (1..=PASSES).map(|i| (i * 7 + 10) % PASSES).chain([5, 5, 0]));
+        assert_ne!(bits(&forward[0].1), bits(&forward[1].1), "{side:?}: passes differ");
+        for (pass, batch) in &jumping {
+            let (_, first) = &forward[*pass as usize];
+            assert!(bits(batch) == bits(first), "{side:?}: pass {pass} has other bits");
+            assert_eq!(batch.tally, first.tally, "{side:?}: pass {pass}");
+        }
+    }
+}
+
+/// A batch is the sum of its passes, one after the other in f32: bit for bit, however the passes are split.
+#[test]
+fn batches_are_sums_of_passes() {
+    let scene = scene();
+    for side in sides() {
+        let passes = singly(side, &scene, 0..PASSES);
+        let mut backend = open(side, &scene, plan(&scene, EVERYTHING, 3));
+        for (first, count) in [(0usize, 5usize), (5, 1), (6, 12), (0, 18)] {
+            let batch = backend.render(first as u64, count as u32).unwrap_or_else(|e| panic!("{e}"));
+            let wanted = summed(&passes[first..first + count]);
+            assert!(bits(&batch) == wanted, "{side:?}: passes {first} to {}", first + count);
+        }
+    }
+}
+
+/// One thread, a few, more than there are processors: the same bits.
+#[test]
+fn threads_do_not_change_a_bit() {
+    let scene = scene();
+    for side in [Side::Host, Side::PathTracer] {
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let render = || open(side, &scene, plan(&scene, EVERYTHING, 3)).render(0, 3);
+            pool.install(render).unwrap_or_else(|e| panic!("{e}"))
+        };
+        let one = on(1);
+        for threads in [2, 3, 7, 16] {
+            let more = on(threads);
+            assert!(bits(&one) == bits(&more), "{side:?}: {threads} threads");
+            assert_eq!(one.tally, more.tally, "{side:?}: {threads} threads");
+        }
+    }
+}

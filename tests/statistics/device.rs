@@ -1,0 +1,62 @@
+//! The shared functions of the kernels, run over samples.
+
+use crate::common::{Row, Snippet, map_info, pass_info};
+use joton::gpu::Context;
+use joton::gpu::harness::Harness;
+use joton::pack::{PackedMaterial, PackedScene};
+use joton::plan::{Plan, Settings};
+
+const IMPORTS: &[&str] = &[
+    "shared/features.wgsl",
+    "shared/scene.wgsl",
+    "shared/scatter.wgsl",
+    "shared/emit.wgsl",
+    "shared/camera.wgsl",
+];
+const DECLARATIONS: &str = "override CAUSTIC: bool = false;
+    @group(1) @binding(0) var<uniform> map_info: MapInfo;
+    @group(1) @binding(1) var<uniform> targets: array<Target, 16>;\n";
+
+/// A scene on the device, for snippets that use the functions of shared/.
+pub struct Device<'a> {
+    context: &'a Context,
+    harness: Harness<'a>,
+    pass: joton::layout::PassInfo,
+}
+
+impl<'a> Device<'a> {
+    /// Upload a scene.
+    pub fn new(context: &'a Context, scene: &PackedScene, seed: u32) -> Self {
+        let plan = Plan::new(scene, Settings::default());
+        let harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
+        let mut pass = pass_info();
+        (pass.eye, pass.right, pass.up) = (scene.camera.eye, scene.camera.right, scene.camera.up);
+        pass.forward = scene.camera.forward;
+        [pass.width, pass.height] = scene.size;
+        pass.emitters = scene.emitters.len() as u32;
+        pass.targets = scene.targets.len() as u32;
+        pass.seed = seed;
+        Self { context, harness, pass }
+    }
+
+    /// Put other materials in place of the scene's.
+    pub fn materials(&mut self, materials: &[PackedMaterial]) {
+        self.harness.storage("materials", materials);
+    }
+
+    /// Run a snippet over inputs; `emitted` jotons a pass, of the caustic map or the diffuse one.
+    pub fn run<const O: usize>(
+        &mut self,
+        code: &str,
+        (caustic, emitted): (bool, u32),
+        inputs: &[[Row; 1]],
+    ) -> Vec<[Row; O]> {
+        let overrides: &[(&str, f64)] = &[("CAUSTIC", f64::from(u8::from(caustic)))];
+        let snippet = Snippet { imports: IMPORTS, declarations: DECLARATIONS, code, overrides };
+        let mut map = map_info();
+        map.emitted = emitted;
+        let per_pass: [(&str, &[u8]); 2] =
+            [("pass_info", bytemuck::bytes_of(&self.pass)), ("map_info", bytemuck::bytes_of(&map))];
+        snippet.run_in(self.context, &mut self.harness, &per_pass, inputs)
+    }
+}

@@ -1,0 +1,54 @@
+//! Walls: no light where none can be.
+
+use crate::common::scenes::Builder;
+use crate::renders::{EVERYTHING, Side, plan, run};
+use glam::{DVec3, Vec3};
+use joton::pack::PackedScene;
+use joton::scene::Light;
+use std::sync::Arc;
+
+/// Where the light of a sun outside would come from; no coordinate is zero.
+const TOWARD_SUN: DVec3 = DVec3::new(-0.717, -0.512, 0.473);
+
+/// A closed, light grey room in the full sun.
+fn room() -> PackedScene {
+    let mut b = Builder::new([-0.9, -0.9, -0.9], [0.6, 0.3, 0.5], [0., 1., 0.], 1.0, 64);
+    let walls = b.matte(0.7);
+    b.room([-1.; 3], [1.; 3], walls);
+    b.scene.lights.push(Light::Sun { direction: -TOWARD_SUN.normalize(), irradiance: [100.0; 3] });
+    PackedScene::new(&b.scene)
+}
+
+/// A shadow ray, however long, sees what stands a thousandth of a unit from where it starts: from points along the
+/// room's edges none reaches the sun.
+#[test]
+fn long_shadow_rays_see_what_is_near() {
+    const BEYOND: f32 = 4096.0;
+    let scene = room();
+    let corner = scene.bounds[1];
+    let to_sun = TOWARD_SUN.normalize().as_vec3();
+    for i in 0..2000u32 {
+        let [along, off, ..] = joton::rng::random4(0, 0, i, 0);
+        // a unit is 1/1024 of the room
+        let off = 10f32.powf(3.0 * off - 3.0);
+        let from = Vec3::new(-corner.x + off, -corner.y + 2e-3, corner.z * (2.0 * along - 1.0));
+        let hidden = scene.bvh.occluded(&scene.triangles, from, to_sun * BEYOND, 1.0);
+        assert!(hidden, "the sun is seen from {from}, {off} from the wall");
+    }
+}
+
+/// A closed room is dark, whatever shines outside.
+#[test]
+fn closed_rooms_are_dark() {
+    let scene = Arc::new(room());
+    for side in [Side::Host, Side::PathTracer, Side::Device] {
+        if side == Side::Device && crate::common::device().is_none() {
+            continue;
+        }
+        let rendered = run(side, &scene, plan(&scene, EVERYTHING, 1), 16);
+        let pixels = &rendered.picture.whole.pixels;
+        let mean = pixels.iter().flatten().map(|x| f64::from(*x)).sum::<f64>() / (3 * pixels.len()) as f64;
+        // one camera ray of 65,536 that found a hole would show as 3e-4: the sun makes a wall shine with 22
+        assert!(mean < 1e-4, "{side:?}: {mean}");
+    }
+}
