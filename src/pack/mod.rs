@@ -12,7 +12,7 @@ mod targets;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use emitters::{EmitterKind, PackedEmitter};
-pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH};
+pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
 pub use targets::Target;
 
 use crate::bvh::Bvh;

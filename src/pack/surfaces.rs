@@ -151,6 +151,21 @@ impl PackedMaterial {
     }
 }
 
+/// Triangles start at their first corner unless the sine of its angle is this many times smaller than another's.
+const SLIVER: f32 = 4.0;
+
+/// The corner that a triangle starts from: the first, but where that is the tip of a sliver the one whose angle has the
+/// largest sine. One edge is short then, and what rounding does to the weights of a hit stays small along the long one.
+pub fn first_corner(vertices: [Vec3; 3]) -> usize {
+    // twice the area over the sine
+    let product = |k: usize| {
+        let [a, b, c] = [0, 1, 2].map(|i| vertices[(k + i) % 3]);
+        (b - a).length() * (c - a).length()
+    };
+    let best = if product(1) < product(2) { 1 } else { 2 };
+    if SLIVER * product(best) < product(0) { best } else { 0 }
+}
+
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
 /// `emitter` holds 0 where the material emits.
 pub(super) fn pack(
@@ -163,7 +178,9 @@ pub(super) fn pack(
     let mut normals = Vec::with_capacity(if any_smooth { order.len() } else { 0 });
     for &i in order {
         let t = &scene.mesh.triangles[i as usize];
-        let [a, b, c] = vertices[i as usize];
+        let first = first_corner(vertices[i as usize]);
+        let from_first = |k: usize| (first + k) % 3;
+        let [a, b, c] = [0, 1, 2].map(|k| vertices[i as usize][from_first(k)]);
         let packed = PackedTriangle {
             v0: a,
             material: t.material,
@@ -175,7 +192,7 @@ pub(super) fn pack(
         triangles.push(packed);
         if any_smooth {
             normals.push(match t.normal {
-                Some(n) => n.map(|n| scene.mesh.normals[n as usize]),
+                Some(n) => [0, 1, 2].map(|k| scene.mesh.normals[n[from_first(k)] as usize]),
                 None => [packed.normal(); 3],
             });
         }
