@@ -109,11 +109,17 @@ impl Bvh {
         })
     }
 
-    /// Every triangle that may hold a point, whatever its plane: those whose bounds the line through the point meets
-    /// within `reach` of it.
-    pub fn near(&self, point: Vec3, along: Vec3, reach: f32, mut visit: impl FnMut(u32)) {
+    /// True where `accept` takes a triangle near a point: it is asked for all whose bounds the line through the point meets
+    /// within `reach` of it, until it takes one.
+    pub fn any_near(
+        &self,
+        point: Vec3,
+        along: Vec3,
+        reach: f32,
+        mut accept: impl FnMut(u32) -> bool,
+    ) -> bool {
         let ray = Ray::new((point - along * reach).into(), along.into(), 0.0, 2.0 * reach);
-        self.wide.ray_traverse_anyhit(ray, |_, id| visit(id as u32));
+        !self.wide.ray_traverse_miss(ray, |_, id| if accept(id as u32) { 0.0 } else { f32::INFINITY })
     }
 }
 
