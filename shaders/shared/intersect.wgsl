@@ -1,5 +1,5 @@
 // Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
-// reads  nodes, triangles        counts  steps: loop iterations of this invocation
+// reads  nodes, triangles        counts  steps: loop iterations of this invocation        tells  traversal_cut
 
 struct Hit {
     triangle: u32,
@@ -20,6 +20,8 @@ const EDGE_SLACK_MAX: f32 = 1.0;
 const TINY: f32 = 1e-20;
 
 var<private> steps: u32;
+// The driver ended the loop of a traversal early: what it found may be wrong.
+var<private> traversal_cut: bool;
 
 fn bytes(word: u32) -> vec4<f32> {
     return vec4<f32>((vec4(word) >> vec4(0u, 8u, 16u, 24u)) & vec4(0xffu));
@@ -120,6 +122,9 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             }
             steps += 1u;
         }
+        if leaf.y != 0u {
+            traversal_cut = true;
+        }
         if any_hit && hit.triangle != MISS {
             break;
         }
@@ -130,6 +135,10 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             depth -= 1u;
             group = stack[min(depth, TRAVERSAL_STACK - 1u)];
         }
+    }
+    // an end by itself leaves nothing to visit
+    if (group.y > 0x00ffffffu || depth != 0u) && !(any_hit && hit.triangle != MISS) {
+        traversal_cut = true;
     }
     return hit;
 }
