@@ -5,6 +5,7 @@ use crate::bvh::Edges;
 use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
+use std::collections::HashSet;
 
 /// [`PackedTriangle::emitter`] of a triangle that emits nothing.
 pub const NO_EMITTER: u32 = u32::MAX;
@@ -164,6 +165,20 @@ pub fn first_corner(vertices: [Vec3; 3]) -> usize {
     };
     let best = if product(1) < product(2) { 1 } else { 2 };
     if SLIVER * product(best) < product(0) { best } else { 0 }
+}
+
+/// Indices of the triangles without exact copies: same corners in the same turn, same material, no shading normals. One
+/// of them is what a ray meets; the others would only shine once more and make the hierarchy deep.
+pub(super) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
+    let mut seen = HashSet::with_capacity(vertices.len());
+    let is_new = |&i: &u32| {
+        let t = &scene.mesh.triangles[i as usize];
+        let corners = vertices[i as usize].map(|v| v.to_array().map(f32::to_bits));
+        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        let turned: [[u32; 3]; 3] = std::array::from_fn(|k| corners[(first + k) % 3]);
+        t.normal.is_some() || seen.insert((turned, t.material))
+    };
+    (0..vertices.len() as u32).filter(is_new).collect()
 }
 
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
