@@ -137,6 +137,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             sum += by_brdf(m, origin, geometric, shading, wo, u.xyz);
         }
     }
-    atomicAdd(&status[STATUS_RAYS], rays);
+    let rays_before = atomicAdd(&status[STATUS_RAYS], rays);
+    if rays_before + rays < rays_before {
+        atomicAdd(&status[STATUS_RAYS_HIGH], 1u);
+    }
+    if traversal_cut {
+        atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
+    }
     film_direct[pixel] += vec4(point.throughput * sum / f32(pass_info.shadow_rays), 0.0);
 }

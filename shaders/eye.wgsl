@@ -106,7 +106,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             break;
         }
     }
-    atomicAdd(&status[STATUS_RAYS], rays);
+    let rays_before = atomicAdd(&status[STATUS_RAYS], rays);
+    if rays_before + rays < rays_before {
+        atomicAdd(&status[STATUS_RAYS_HIGH], 1u);
+    }
+    if traversal_cut {
+        atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
+    }
     gather_points[pixel] = point;
     if (flags & PIXEL_GLINT) == 0u {
         film_emission[pixel] += vec4(emission, 0.0);

@@ -126,10 +126,19 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         lit_directly += select(0u, 1u, seen.direct);
     }
     if PILOT {
+        if traversal_cut {
+            atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
+        }
         let all = lit_directly == chains;
         film[pixel] = vec4(select(select(0.0, 1.0, lit > 0u), 2.0, all), 0.0, 0.0, 0.0);
         return;
     }
-    atomicAdd(&status[STATUS_RAYS], rays);
+    let rays_before = atomicAdd(&status[STATUS_RAYS], rays);
+    if rays_before + rays < rays_before {
+        atomicAdd(&status[STATUS_RAYS_HIGH], 1u);
+    }
+    if traversal_cut {
+        atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
+    }
     film[pixel] += vec4(emission / f32(chains), 0.0);
 }

@@ -12,6 +12,7 @@
 @group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
 
 const LANE_DONE: u32 = 256u;
+const LANE_CUT: u32 = 512u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -21,6 +22,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     }
     if (lanes[lane].status & LANE_DONE) == 0u {
         atomicAdd(&status[STATUS_UNFINISHED], 1u);
+    }
+    if (lanes[lane].status & LANE_CUT) != 0u {
+        atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
     if lanes[lane].stored > map_info.lane_capacity {
         atomicMax(&status[STATUS_LANE_STORED_MAX], lanes[lane].stored);

@@ -28,6 +28,7 @@ const LANE_ALIVE: u32 = 32u;
 const LANE_MET_SPECULAR: u32 = 64u;
 const LANE_MET_DIFFUSE: u32 = 128u;
 const LANE_DONE: u32 = 256u;
+const LANE_CUT: u32 = 512u;
 const LANE_EVENT: u32 = 0x10000u;
 // Events that a joton survives for sure beyond the roulette of the surfaces; then with SURVIVAL. Without this, light
 // between perfect mirrors would never end.
@@ -51,6 +52,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var tally = tallies[index];
     let region = index * map_info.lane_capacity;
     let stored_before = lane.stored;
+    let rays_before = tally.rays;
     let first_dimension = select(DIMENSION_DIFFUSE, DIMENSION_CAUSTIC, CAUSTIC);
 
     while steps < STEP_BUDGET {
@@ -75,7 +77,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             tally.emitted += start.flux;
         }
         let number = index + (lane.started - 1u) * map_info.lanes;
+        let is_first = tally.rays == rays_before;
         let hit = traverse(lane.origin, lane.direction, 1e30, false);
+        if traversal_cut {
+            // the next dispatch has the driver's whole budget for this ray; where that was not enough, nothing is
+            lane.status |= select(0u, LANE_CUT | LANE_DONE, is_first);
+            break;
+        }
         tally.rays += 1u;
         if hit.triangle == MISS {
             tally.escaped += lane.flux;

@@ -111,10 +111,28 @@ impl Bvh {
             intersect_triangle(ray.origin, ray.direction, &triangles[id]).map_or(f32::INFINITY, |h| h.0)
         })
     }
+
+    /// True where `accept` takes a triangle near a point: it is asked for all whose bounds the line through the point meets
+    /// within `reach` of it, until it takes one.
+    pub fn any_near(
+        &self,
+        point: Vec3,
+        along: Vec3,
+        reach: f32,
+        mut accept: impl FnMut(u32) -> bool,
+    ) -> bool {
+        let ray = Ray::new((point - along * reach).into(), along.into(), 0.0, 2.0 * reach);
+        !self.wide.ray_traverse_miss(ray, |_, id| if accept(id as u32) { 0.0 } else { f32::INFINITY })
+    }
 }
 
-/// Barycentric slack: rays that meet an edge hit one triangle or the other, never neither.
+/// Barycentric slack: rays that meet an edge hit one triangle or the other, never neither …
 const EDGE_SLACK: f32 = 1e-6;
+/// … and part of |origin − v0| |edge| / |determinant| by which the rounding of f32 moves a weight, eight half units in the
+/// last place: small triangles far from the ray's origin have seams that no constant closes.
+const EDGE_ROUNDING: f32 = 8.0 / (1 << 24) as f32;
+/// A ray that lies in the triangle's plane, but for rounding, has no weights: the slack ends here.
+const EDGE_SLACK_MAX: f32 = 1.0;
 
 /// Distance and barycentric weights where a ray meets a triangle from either side (Möller & Trumbore 1997).
 #[inline(always)]
@@ -128,6 +146,9 @@ fn intersect_triangle<T: Edges>(origin: Vec3A, direction: Vec3A, triangle: &T) -
     let q = s.cross(e1);
     let v = direction.dot(q) * inv_det;
     let t = e2.dot(q) * inv_det;
-    (u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && t > 0.0 && det != 0.0)
+    let rounding = EDGE_ROUNDING * s.abs().max_element() * inv_det.abs();
+    let slack = |edge: Vec3A| (EDGE_SLACK + rounding * edge.abs().max_element()).min(EDGE_SLACK_MAX);
+    let (slack_u, slack_v) = (slack(e2), slack(e1));
+    (u >= -slack_u && v >= -slack_v && u + v <= 1.0 + slack_u.max(slack_v) && t > 0.0 && det != 0.0)
         .then_some((t, u, v))
 }

@@ -234,12 +234,21 @@ pub mod status {
     pub const LANE_STORED_MAX: u32 = 1;
     /// Loops that the driver ended early.
     pub const LOOP_CUT: u32 = 2;
-    /// Camera and shadow rays.
+    /// Camera and shadow rays, the low word.
     pub const RAYS: u32 = 3;
     /// Camera paths cut at their hard limit.
     pub const TRUNCATED: u32 = 4;
+    /// Camera and shadow rays, the high word.
+    pub const RAYS_HIGH: u32 = 5;
+    /// Invocations with a traversal that the driver ended early.
+    pub const TRAVERSAL_CUT: u32 = 6;
     /// Number of slots.
     pub const SLOTS: u32 = 8;
+
+    /// Camera and shadow rays in the words of the status buffer.
+    pub fn rays(words: &[u32]) -> u64 {
+        u64::from(words[RAYS_HIGH as usize]) << 32 | u64::from(words[RAYS as usize])
+    }
 }
 
 /// A joton is taken only where its normal and the gather point's agree this well …
@@ -274,6 +283,8 @@ pub fn constants() -> String {
     u("STATUS_LOOP_CUT", status::LOOP_CUT);
     u("STATUS_RAYS", status::RAYS);
     u("STATUS_TRUNCATED", status::TRUNCATED);
+    u("STATUS_RAYS_HIGH", status::RAYS_HIGH);
+    u("STATUS_TRAVERSAL_CUT", status::TRAVERSAL_CUT);
     u("STEP_BUDGET", STEP_BUDGET);
     u("TRAVERSAL_STACK", TRAVERSAL_STACK);
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);

@@ -1,5 +1,5 @@
 // Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
-// reads  nodes, triangles        counts  steps: loop iterations of this invocation
+// reads  nodes, triangles        counts  steps: loop iterations of this invocation        tells  traversal_cut
 
 struct Hit {
     triangle: u32,
@@ -9,12 +9,19 @@ struct Hit {
 }
 
 const MISS: u32 = 0xffffffffu;
-// Barycentric slack: a ray that meets an edge hits one triangle or the other, never neither.
+// Barycentric slack: a ray that meets an edge hits one triangle or the other, never neither …
 const EDGE_SLACK: f32 = 1e-6;
+// … and part of |origin − v0| |edge| / |determinant| by which the rounding of f32 moves a weight, eight half units in the
+// last place: small triangles far from the ray's origin have seams that no constant closes.
+const EDGE_ROUNDING: f32 = 4.76837158203125e-7;
+// A ray that lies in the triangle's plane, but for rounding, has no weights: the slack ends here.
+const EDGE_SLACK_MAX: f32 = 1.0;
 // Smallest divisor of a ray's direction.
 const TINY: f32 = 1e-20;
 
 var<private> steps: u32;
+// The driver ended the loop of a traversal early: what it found may be wrong.
+var<private> traversal_cut: bool;
 
 fn bytes(word: u32) -> vec4<f32> {
     return vec4<f32>((vec4(word) >> vec4(0u, 8u, 16u, 24u)) & vec4(0xffu));
@@ -42,6 +49,10 @@ fn four_children(
     // a hair of slack for the rounding of the quantised planes
     let met = select(vec4(0u), bits, near <= far * 1.0000004);
     return (met.x | met.y) | (met.z | met.w);
+}
+
+fn largest(v: vec3<f32>) -> f32 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
 fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool) -> Hit {
@@ -103,10 +114,16 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             let q = cross(s, e1);
             let v = dot(direction, q) * inv_det;
             let t = dot(e2, q) * inv_det;
-            if u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && t > 0.0 && t < hit.t {
+            let rounding = EDGE_ROUNDING * largest(s) * abs(inv_det);
+            let slack_u = min(EDGE_SLACK + rounding * largest(e2), EDGE_SLACK_MAX);
+            let slack_v = min(EDGE_SLACK + rounding * largest(e1), EDGE_SLACK_MAX);
+            if u >= -slack_u && v >= -slack_v && u + v <= 1.0 + max(slack_u, slack_v) && t > 0.0 && t < hit.t {
                 hit = Hit(index, t, u, v);
             }
             steps += 1u;
+        }
+        if leaf.y != 0u {
+            traversal_cut = true;
         }
         if any_hit && hit.triangle != MISS {
             break;
@@ -118,6 +135,10 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             depth -= 1u;
             group = stack[min(depth, TRAVERSAL_STACK - 1u)];
         }
+    }
+    // an end by itself leaves nothing to visit
+    if (group.y > 0x00ffffffu || depth != 0u) && !(any_hit && hit.triangle != MISS) {
+        traversal_cut = true;
     }
     return hit;
 }

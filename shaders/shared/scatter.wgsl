@@ -29,17 +29,24 @@ struct Specular {
     alive: bool,
 }
 
-// The direction after a specular event; `direction` arrives, both normals are on its side.
+// The direction after a specular event; `direction` arrives, both normals are on its side. Where a shading normal would
+// send a reflection below the surface, or a transmission above it, the geometric one decides.
 fn specular_scatter(
     m: PackedMaterial, event: u32, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, from_front: bool,
     u: vec2<f32>,
 ) -> Specular {
     let eta_it = relative_index(m, from_front);
     if HAS_DIELECTRIC && event == EVENT_TRANSMIT {
-        let d = refract_direction(direction, n, eta_it);
+        var d = refract_direction(direction, n, eta_it);
+        if HAS_SMOOTH && dot(d, geometric) >= 0.0 {
+            d = refract_direction(direction, geometric, eta_it);
+        }
         return Specular(d, eta_it, any(d != vec3(0.0)));
     }
     var d = normalize(reflect(direction, n));
+    if HAS_SMOOTH && dot(d, geometric) <= 0.0 {
+        d = normalize(reflect(direction, geometric));
+    }
     if HAS_SPECULAR && event == EVENT_MIRROR && m.specular_exponent > 0.0 {
         d = normalize(basis(d) * sample_phong_lobe(u, m.specular_exponent));
         return Specular(d, 1.0, dot(d, geometric) > 0.0);

@@ -265,6 +265,7 @@ impl GpuBackend {
 
     /// What the kernels reported of a batch: adapt and say so where it must be rendered again.
     fn must_repeat(&mut self, words: &[u32]) -> Result<bool> {
+        check_traversal(words)?;
         let unfinished = words[status::UNFINISHED as usize] > 0;
         let stored = words[status::LANE_STORED_MAX as usize];
         let cut = words[status::LOOP_CUT as usize] > 0;
@@ -354,7 +355,7 @@ impl Backend for GpuBackend {
                 .collect();
         }
         let t = &mut batch.tally;
-        t.rays = u64::from(words[status::RAYS as usize]);
+        t.rays = status::rays(&words);
         t.truncated = u64::from(words[status::TRUNCATED as usize]);
         let emitted = |s: Option<Shape>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
         t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);
@@ -374,6 +375,18 @@ impl Backend for GpuBackend {
         }
         Ok(batch)
     }
+}
+
+/// Refuse what rays found whose loops the driver ended.
+///
+/// # Errors
+/// [`Error::Device`] where there are any.
+fn check_traversal(words: &[u32]) -> Result<()> {
+    if words[status::TRAVERSAL_CUT as usize] > 0 {
+        let what = "a ray meets more triangles than the loops of this driver can follow";
+        return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
+    }
+    Ok(())
 }
 
 /// A pixel, or black and counted where a band is not finite (tested by bits).

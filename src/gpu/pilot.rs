@@ -3,7 +3,7 @@
 use super::map::Kind;
 use super::pipelines::Steps;
 use super::recorder::Recorder;
-use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend};
+use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
 use crate::layout::{MapInfo, PassInfo, status};
 
@@ -95,7 +95,9 @@ impl GpuBackend {
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
         let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
-        Ok(bytemuck::pod_collect_to_vec(&words[0]))
+        let words: Vec<u32> = bytemuck::pod_collect_to_vec(&words[0]);
+        check_traversal(&words)?;
+        Ok(words)
     }
 
     fn choose_caustic_radii(&mut self) -> Result<()> {

@@ -4,7 +4,6 @@
 use super::{EmitterKind, PackedScene, PackedTriangle};
 use crate::rng;
 use glam::Vec3;
-use std::collections::HashSet;
 use std::f32::consts::TAU;
 
 /// A point on a diffuse surface.
@@ -19,11 +18,34 @@ pub struct AreaPoint {
 /// Steps of the R2 lattice (Roberts 2018): inverse powers of the plastic number.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
-/// The corners of a triangle whatever their order: two triangles with the same are one surface, and count once.
-fn corners(t: &PackedTriangle) -> [[u32; 3]; 3] {
-    let mut corners = t.vertices().map(|v| v.to_array().map(f32::to_bits));
-    corners.sort_unstable();
-    corners
+/// Surfaces of one orientation or the opposite one that lie nearer than this, in internal units, are one: 32 units in the
+/// last place of the largest coordinates.
+const ONE_SURFACE: f32 = 1.0 / 512.0;
+/// Cosine between the normals of triangles that lie in one plane.
+const ONE_PLANE: f32 = 0.999;
+/// Where a line through a point leaves the plane, in tangents: along the axes it would run in the bounds' faces.
+const ASLANT: Vec3 = Vec3::new(0.031, 0.057, 0.043);
+
+/// True for a point of triangle `index` that lies on an earlier diffuse triangle, too: doubled faces are one surface,
+/// however they are cut. Light falls on them once.
+fn is_doubled(scene: &PackedScene, index: usize, position: Vec3, normal: Vec3) -> bool {
+    scene.bvh.any_near(position, (normal + ASLANT).normalize(), ONE_SURFACE, |other| {
+        let t = &scene.triangles[other as usize];
+        (other as usize) < index
+            && scene.materials[t.material as usize].flags().has_diffuse()
+            && t.normal().dot(normal).abs() > ONE_PLANE
+            && (position - t.v0).dot(t.normal()).abs() < ONE_SURFACE
+            && holds(t, position)
+    })
+}
+
+/// True where a point of the triangle's plane lies in it; in f64, so that neighbours share no point but by the rounding of
+/// the point itself.
+fn holds(t: &PackedTriangle, point: Vec3) -> bool {
+    let [e1, e2, s] = [t.e1, t.e2, point - t.v0].map(|v| v.as_dvec3());
+    let n = e1.cross(e2);
+    let (u, v) = (s.cross(e2).dot(n), e1.cross(s).dot(n));
+    u >= 0.0 && v >= 0.0 && u + v <= n.length_squared()
 }
 
 /// About `count` points and the area of each, internal units². Systematic along the cumulative area, so that a
@@ -32,7 +54,6 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
     let each = scene.diffuse_area / count.max(1) as f64;
     let mut points = Vec::with_capacity(count + 1);
     let solids = has_closed_solids(scene);
-    let mut seen = HashSet::new();
     if each <= 0.0 {
         return (points, 0.0);
     }
@@ -43,7 +64,6 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
             continue;
         }
         let end = before + f64::from(t.area());
-        let doubled = !seen.insert(corners(t));
         if next < end {
             let normal = t.normal();
             let shift = rng::random4(seed, 0, index as u32, 1);
@@ -54,7 +74,8 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
                 let [u, v] = square_to_triangle([x, y]);
                 let position = t.v0 + t.e1 * u + t.e2 * v;
                 let number = points.len() as u32;
-                let hidden = doubled || (solids && is_buried(scene, position, normal, number));
+                let hidden = is_doubled(scene, index, position, normal)
+                    || (solids && is_buried(scene, position, normal, number));
                 if !hidden {
                     points.push(AreaPoint { position, normal });
                 }

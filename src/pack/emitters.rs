@@ -131,19 +131,23 @@ fn emitter(
     }
 }
 
-/// Pick probabilities proportional to flux, summed in f64 so that a million emitters lose nothing.
+/// Steps of a random number in [0, 1): its 24 bits.
+const PICK_STEPS: u32 = 1 << 24;
+
+/// Pick probabilities, proportional to flux up to a step, and never less than one: a light that no random number falls on
+/// is dark. Where there are more lights than steps, some are.
 fn set_picks(emitters: &mut [PackedEmitter]) {
     let total: f64 = emitters.iter().map(|e| sum(&e.flux)).sum();
-    let (mut before, mut running) = (0.0f32, 0.0f64);
-    for e in emitters.iter_mut() {
+    let count = emitters.len() as u32;
+    let sure = if count < PICK_STEPS { 1 } else { 0 };
+    let shared = f64::from(PICK_STEPS - sure * count.min(PICK_STEPS));
+    let (mut before, mut running) = (0u32, 0.0f64);
+    for (i, e) in (1..=count).zip(emitters.iter_mut()) {
         running += sum(&e.flux) / total;
-        e.cumulative = running as f32;
-        // the probability that the rounded table really gives
-        e.pick = e.cumulative - before;
-        before = e.cumulative;
-    }
-    if let Some(last) = emitters.last_mut() {
-        last.pick += 1.0 - last.cumulative;
-        last.cumulative = 1.0;
+        let upto = if i == count { PICK_STEPS } else { sure * i + (shared * running).round() as u32 };
+        // multiples of a step: exact, and the probability that the table really gives
+        e.cumulative = upto as f32 / PICK_STEPS as f32;
+        e.pick = (upto - before) as f32 / PICK_STEPS as f32;
+        before = upto;
     }
 }

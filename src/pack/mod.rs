@@ -12,7 +12,7 @@ mod targets;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use emitters::{EmitterKind, PackedEmitter};
-pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH};
+pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
 pub use targets::Target;
 
 use crate::bvh::Bvh;
@@ -82,7 +82,10 @@ impl PackedScene {
             .iter()
             .map(|t| t.vertex.map(|v| to_internal(scene.mesh.positions[v as usize])))
             .collect();
-        let (bvh, order) = Bvh::build(&vertices);
+        let kept = surfaces::without_copies(scene, &vertices);
+        let corners: Vec<[Vec3; 3]> = kept.iter().map(|&i| vertices[i as usize]).collect();
+        let (bvh, order) = Bvh::build(&corners);
+        let order: Vec<u32> = order.into_iter().map(|i| kept[i as usize]).collect();
         let materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &order);
         let internal_bounds = [to_internal(lo), to_internal(hi)];

@@ -5,6 +5,7 @@ use crate::bvh::Edges;
 use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
+use std::collections::HashSet;
 
 /// [`PackedTriangle::emitter`] of a triangle that emits nothing.
 pub const NO_EMITTER: u32 = u32::MAX;
@@ -151,6 +152,35 @@ impl PackedMaterial {
     }
 }
 
+/// Triangles start at their first corner unless the sine of its angle is this many times smaller than another's.
+const SLIVER: f32 = 4.0;
+
+/// The corner that a triangle starts from: the first, but where that is the tip of a sliver the one whose angle has the
+/// largest sine. One edge is short then, and what rounding does to the weights of a hit stays small along the long one.
+pub fn first_corner(vertices: [Vec3; 3]) -> usize {
+    // twice the area over the sine
+    let product = |k: usize| {
+        let [a, b, c] = [0, 1, 2].map(|i| vertices[(k + i) % 3]);
+        (b - a).length() * (c - a).length()
+    };
+    let best = if product(1) < product(2) { 1 } else { 2 };
+    if SLIVER * product(best) < product(0) { best } else { 0 }
+}
+
+/// Indices of the triangles without exact copies: same corners in the same turn, same material, no shading normals. One
+/// of them is what a ray meets; the others would only shine once more and make the hierarchy deep.
+pub(super) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
+    let mut seen = HashSet::with_capacity(vertices.len());
+    let is_new = |&i: &u32| {
+        let t = &scene.mesh.triangles[i as usize];
+        let corners = vertices[i as usize].map(|v| v.to_array().map(f32::to_bits));
+        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        let turned: [[u32; 3]; 3] = std::array::from_fn(|k| corners[(first + k) % 3]);
+        t.normal.is_some() || seen.insert((turned, t.material))
+    };
+    (0..vertices.len() as u32).filter(is_new).collect()
+}
+
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
 /// `emitter` holds 0 where the material emits.
 pub(super) fn pack(
@@ -163,7 +193,9 @@ pub(super) fn pack(
     let mut normals = Vec::with_capacity(if any_smooth { order.len() } else { 0 });
     for &i in order {
         let t = &scene.mesh.triangles[i as usize];
-        let [a, b, c] = vertices[i as usize];
+        let first = first_corner(vertices[i as usize]);
+        let from_first = |k: usize| (first + k) % 3;
+        let [a, b, c] = [0, 1, 2].map(|k| vertices[i as usize][from_first(k)]);
         let packed = PackedTriangle {
             v0: a,
             material: t.material,
@@ -175,7 +207,7 @@ pub(super) fn pack(
         triangles.push(packed);
         if any_smooth {
             normals.push(match t.normal {
-                Some(n) => n.map(|n| scene.mesh.normals[n as usize]),
+                Some(n) => [0, 1, 2].map(|k| scene.mesh.normals[n[from_first(k)] as usize]),
                 None => [packed.normal(); 3],
             });
         }
