@@ -79,7 +79,8 @@ impl Bvh {
         deepest
     }
 
-    /// The nearest triangle with distance in `(0, t_max)`.
+    /// The nearest triangle with distance in `(0, t_max)`. `direction` is a unit vector: the library passes over boxes that
+    /// end within 0.0001 of its length.
     pub fn closest<T: Edges>(
         &self,
         triangles: &[T],
@@ -101,7 +102,7 @@ impl Bvh {
         found.then_some(Hit { triangle: hit.primitive_id, t: hit.t, u: uv.0, v: uv.1 })
     }
 
-    /// True where some triangle lies in `(0, t_max)`.
+    /// True where some triangle lies in `(0, t_max)`; `direction` as in [`Self::closest`].
     pub fn occluded<T: Edges>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
         !self.wide.ray_traverse_miss(ray, |ray, id| {

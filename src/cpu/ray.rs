@@ -90,5 +90,6 @@ pub(super) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> V
 
 /// True where nothing stands between two points that are already lifted off their surfaces.
 pub(super) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
-    !scene.bvh.occluded(&scene.triangles, from, to - from, 1.0)
+    let distance = from.distance(to);
+    !scene.bvh.occluded(&scene.triangles, from, (to - from) / distance, distance)
 }
