@@ -7,8 +7,10 @@
 
 mod build;
 mod caustics;
+mod cie;
 mod direct;
 mod exchange;
+mod factors;
 mod furnace;
 mod glass;
 mod harness;
