@@ -108,7 +108,9 @@ fn measure<T: Edges>(
     });
     group.bench_function(format!("occluded, {scene}"), |b| {
         b.iter(|| {
-            let hit = |[from, to]: &[Vec3; 2]| bvh.occluded(triangles, *from, to - from, 1.0);
+            let hit = |[from, to]: &[Vec3; 2]| {
+                bvh.occluded(triangles, *from, (to - from).normalize(), from.distance(*to))
+            };
             black_box(rays.iter().filter(|r| hit(r)).count())
         });
     });

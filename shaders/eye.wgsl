@@ -9,6 +9,7 @@
 // import: shared/bsdf.wgsl
 // import: shared/scatter.wgsl
 // import: shared/camera.wgsl
+// import: shared/survival.wgsl
 // import: shared/paths.wgsl
 
 @group(1) @binding(0) var<uniform> path_filter: PathFilter;
@@ -16,11 +17,6 @@
 @group(1) @binding(2) var<storage, read_write> film_emission: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
 
-// Specular events that a camera path survives for sure; then with SURVIVAL.
-const SURE_EVENTS: u32 = 16u;
-const SURVIVAL: f32 = 0.95;
-// Hard limit, counted in the report where it is met.
-const MOST_EVENTS: u32 = 256u;
 const CHAIN_MAX: u32 = 63u;
 
 @compute @workgroup_size(64)
@@ -61,17 +57,22 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let reflectance = dielectric_reflectance(m, shading, direction, from_front);
         let c = chances(m, throughput, reflectance);
         let scatter = c.diffuse + c.glossy;
-        let total = scatter + c.mirror + c.reflect + c.transmit;
-        if total <= 0.0 {
+        let kept = scatter + c.mirror + c.reflect + c.transmit;
+        if kept <= 0.0 {
             break;
         }
-        // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput.
+        // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
+        // a path, where it ends as a joton's does [E3].
+        let total = kept / survival(events, kept, CAMERA_STEPS);
         let random = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_EYE + events);
         var choice = random.x;
         if events < 2u {
             choice = select(choices.y, choices.x, events == 0u);
         }
         choice *= total;
+        if choice >= kept {
+            break;
+        }
         if choice < scatter {
             let back = select(BACK_SIDE, 0u, from_front);
             point = GatherPoint(
@@ -95,13 +96,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         direction = next.direction;
         origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
         events += 1u;
-        if events >= SURE_EVENTS {
-            if random.w >= SURVIVAL {
-                break;
-            }
-            throughput /= SURVIVAL;
-        }
-        if events >= MOST_EVENTS || steps > STEP_BUDGET {
+        if steps > CAMERA_STEPS {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);
             break;
         }

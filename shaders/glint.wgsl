@@ -10,6 +10,7 @@
 // import: shared/bsdf.wgsl
 // import: shared/scatter.wgsl
 // import: shared/camera.wgsl
+// import: shared/survival.wgsl
 // import: shared/paths.wgsl
 
 // The pilot counts in how many of its chains light is seen: 0 none, 1 some, 2 all, directly.
@@ -25,9 +26,6 @@ const CHAINS: u32 = 4u;
 const PILOT_CHAINS: u32 = 8u;
 // Events at which both branches get the same chance.
 const EVEN_EVENTS: u32 = 3u;
-const SURE_EVENTS: u32 = 16u;
-const SURVIVAL: f32 = 0.95;
-const MOST_EVENTS: u32 = 256u;
 
 struct Seen {
     emission: Bands,
@@ -36,14 +34,15 @@ struct Seen {
     rays: u32,
 }
 
-fn chain(pixel: u32, number: u32) -> Seen {
+// Chain `number` of a pixel, which ends before `steps` comes to `budget`.
+fn chain(pixel: u32, number: u32, budget: u32) -> Seen {
     let jitter = sobol2(number, sequence_seed(pass_info.seed, pixel, STREAM_GLINT_JITTER));
     let choices = sobol2(number, sequence_seed(pass_info.seed, pixel, STREAM_GLINT_CHOICE));
     var origin = pass_info.eye;
     var direction = camera_direction(pixel, jitter);
     var throughput = Bands(1.0);
     var seen = Seen(Bands(0.0), false, 0u);
-    for (var events = 0u; events < MOST_EVENTS; events += 1u) {
+    for (var events = 0u;; events += 1u) {
         seen.rays += 1u;
         let hit = traverse(origin, direction, 1e30, false);
         if hit.triangle == MISS {
@@ -90,13 +89,12 @@ fn chain(pixel: u32, number: u32) -> Seen {
             * (radiance_scale / select(1.0 - chance_reflect, chance_reflect, reflects));
         direction = next.direction;
         origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
-        if events >= SURE_EVENTS {
-            if random.w >= SURVIVAL {
-                break;
-            }
-            throughput /= SURVIVAL;
+        let survives = survival(events, specular, budget);
+        if random.w >= survives {
+            break;
         }
-        if steps > STEP_BUDGET {
+        throughput /= survives;
+        if steps > budget {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);
             break;
         }
@@ -119,7 +117,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var lit_directly = 0u;
     var rays = 0u;
     for (var i = 0u; i < chains; i += 1u) {
-        let seen = chain(pixel, pass_info.pass_index * chains + i);
+        // the chains to come keep their part
+        let budget = CAMERA_STEPS - STEP_RAMP * (chains - 1u - i);
+        let seen = chain(pixel, pass_info.pass_index * chains + i, budget);
         emission += seen.emission;
         rays += seen.rays;
         lit += select(0u, 1u, max_band(seen.emission) > 0.0);

@@ -30,10 +30,6 @@ const LANE_MET_DIFFUSE: u32 = 128u;
 const LANE_DONE: u32 = 256u;
 const LANE_CUT: u32 = 512u;
 const LANE_EVENT: u32 = 0x10000u;
-// Events that a joton survives for sure beyond the roulette of the surfaces; then with SURVIVAL. Without this, light
-// between perfect mirrors would never end.
-const SURE_EVENTS: u32 = 128u;
-const SURVIVAL: f32 = 0.95;
 // Loop iterations of picking an emitter, at most.
 const EMIT_STEPS: u32 = 24u;
 // Bound of the adjoint correction for shading normals where the geometry grazes.
@@ -118,8 +114,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
 
         let reflectance = dielectric_reflectance(m, shading, lane.direction, from_front);
-        let c = roulette_chances(m, lane.flux, reflectance);
         let events = lane.status / LANE_EVENT;
+        let c = roulette_chances(m, lane.flux, reflectance, events);
         let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
         var event = EVENT_ABSORB;
         var edge = c.diffuse;
@@ -195,13 +191,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         lane.origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(lane.direction, s.front) >= 0.0));
         lane.status += LANE_EVENT;
-        if events >= SURE_EVENTS {
-            if random.w >= SURVIVAL {
-                lane.status = 0u;
-                continue;
-            }
-            lane.flux /= SURVIVAL;
-        }
     }
     tally.stored += lane.stored - stored_before;
     lanes[index] = lane;

@@ -258,6 +258,13 @@ pub const GATHER_PLANE_SHARE: f32 = 0.2;
 /// Area points of the opposite orientation count only this near the plane: two sheets of a thin board are not one.
 pub const GATHER_SHEET_SHARE: f32 = 0.01;
 
+/// Events after which no path goes on for sure …
+pub const SURE_EVENTS: u32 = 64;
+/// … but with this probability at most, at each event [E3]: so paths end between perfect mirrors and inside bodies that
+/// reflect totally. No less than what the whitest walls keep of light: these end paths by their own absorption. No more,
+/// since a GPU waits for the longest path of a pass.
+pub const SURVIVAL_MAX: f32 = 0.99;
+
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
     use crate::pack::{EmitterKind, MaterialFlags, NO_EMITTER, SMOOTH};
@@ -285,15 +292,20 @@ pub fn constants() -> String {
     u("STATUS_TRUNCATED", status::TRUNCATED);
     u("STATUS_RAYS_HIGH", status::RAYS_HIGH);
     u("STATUS_TRAVERSAL_CUT", status::TRAVERSAL_CUT);
+    u("SURE_EVENTS", SURE_EVENTS);
     u("STEP_BUDGET", STEP_BUDGET);
     u("TRAVERSAL_STACK", TRAVERSAL_STACK);
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);
     u("ROW_FACTOR_Z", ROW_FACTORS[1]);
     u("PATH_START", crate::paths::LightPaths::START);
     u("PATH_DEAD", crate::paths::DEAD);
-    writeln!(s, "const GATHER_NORMAL_COS: f32 = {GATHER_NORMAL_COS:?};").expect("writing to a string");
-    writeln!(s, "const GATHER_PLANE_SHARE: f32 = {GATHER_PLANE_SHARE:?};").expect("writing to a string");
-    writeln!(s, "const GATHER_SHEET_SHARE: f32 = {GATHER_SHEET_SHARE:?};").expect("writing to a string");
+    let mut f = |name: &str, value: f32| {
+        writeln!(s, "const {name}: f32 = {value:?};").expect("writing to a string");
+    };
+    f("SURVIVAL_MAX", SURVIVAL_MAX);
+    f("GATHER_NORMAL_COS", GATHER_NORMAL_COS);
+    f("GATHER_PLANE_SHARE", GATHER_PLANE_SHARE);
+    f("GATHER_SHEET_SHARE", GATHER_SHEET_SHARE);
     s
 }
 
@@ -313,6 +325,10 @@ pub fn row_bucket(y: i32, z: i32, row_mask: u32) -> u32 {
 /// Loop iterations after which a lane puts its work away until the next dispatch. llvmpipe silently ends all loops of
 /// an invocation at 65,535 iterations, counted over the union of up to 16 lanes that run together.
 pub const STEP_BUDGET: u32 = 3600;
+
+/// The same for a camera path where loops end when they should: it cannot be continued, so what it has not found by then
+/// is left to the chances of a few.
+pub const STEP_BUDGET_HARDWARE: u32 = 16 * STEP_BUDGET;
 
 /// Levels of the hierarchy that a traversal can keep in mind; obvhs' own limit.
 pub const TRAVERSAL_STACK: u32 = 32;

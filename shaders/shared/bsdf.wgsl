@@ -72,10 +72,12 @@ fn chances(m: PackedMaterial, carried: Bands, reflectance: f32) -> Chances {
     return c;
 }
 
-// The same for Russian roulette: where the bands' maxima add up to more than one, scaled down to one [E3].
-fn roulette_chances(m: PackedMaterial, carried: Bands, reflectance: f32) -> Chances {
+// The same for Russian roulette: where the bands' maxima add up to more than one, scaled down to one, and late in a
+// path to less [E3].
+fn roulette_chances(m: PackedMaterial, carried: Bands, reflectance: f32, events: u32) -> Chances {
     let c = chances(m, carried, reflectance);
-    let scale = 1.0 / max(1.0, c.diffuse + c.glossy + c.mirror + c.reflect + c.transmit);
+    let limit = select(SURVIVAL_MAX, 1.0, events < SURE_EVENTS);
+    let scale = limit / max(limit, c.diffuse + c.glossy + c.mirror + c.reflect + c.transmit);
     return Chances(c.diffuse * scale, c.glossy * scale, c.mirror * scale, c.reflect * scale, c.transmit * scale);
 }
 

@@ -2,10 +2,10 @@
 
 use super::bsdf::{Boundary, reflectance_d, sample_mirror};
 use super::ray::{Ray, Surface};
-use super::streams::{DIMENSION_EYE, STREAM_CHOICE, STREAM_JITTER};
-use super::trace::{CERTAIN_EVENTS, EVENTS_MAX, SURVIVAL};
+use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
+use crate::layout::{SURE_EVENTS, SURVIVAL_MAX};
 use crate::pack::{PackedMaterial, PackedScene, PackedTriangle};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
@@ -86,7 +86,8 @@ pub(super) fn follow<'a>(
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
-        let on = if s.flags().is_dielectric() {
+        let carried = max(&throughput);
+        let (on, kept) = if s.flags().is_dielectric() {
             cross(&s, &mut throughput, u_way, Split::ByFlux)
         } else {
             let weight_d = max(&mul(&throughput, &reflectance_d(s.material)));
@@ -112,19 +113,24 @@ pub(super) fn follow<'a>(
                 return path;
             }
             throughput = scale(&mul(&throughput, &s.material.specular), 1.0 / (1.0 - p_d));
-            sample_mirror(&s, [u0, u1])
+            (sample_mirror(&s, [u0, u1]), weight_d + weight_s)
         };
         let Some(direction) = on else { return path };
-        if chain >= CERTAIN_EVENTS {
-            if u_survive >= SURVIVAL {
-                return path;
-            }
-            throughput = scale(&throughput, 1.0 / SURVIVAL);
+        let survival = survival(chain, kept / carried);
+        if u_survive >= survival {
+            return path;
         }
+        throughput = scale(&throughput, 1.0 / survival);
         ray = s.leave(direction);
     }
     tally.truncated += 1;
     path
+}
+
+/// Probability that a camera path goes on after event `event`, which keeps the share `kept` of what it carries: nothing
+/// is left to chance but late in a path, where it ends as a joton's does [E3].
+pub(super) fn survival(event: u32, kept: f32) -> f32 {
+    if event < SURE_EVENTS { 1.0 } else { kept.min(SURVIVAL_MAX) }
 }
 
 /// How often each branch of a dielectric boundary is followed.
@@ -136,21 +142,22 @@ pub(super) enum Split {
     Even,
 }
 
-/// Through a dielectric boundary or off it. Radiance scales by (η_i/η_t)² on crossing [E9]; a joton's flux does not.
-pub(super) fn cross(s: &Surface, throughput: &mut Bands, u: f32, split: Split) -> Option<Vec3> {
+/// Through a dielectric boundary or off it: the direction, and the flux kept both ways, of what `throughput` carries.
+/// Radiance scales by (η_i/η_t)² on crossing [E9]; a joton's flux does not.
+pub(super) fn cross(s: &Surface, throughput: &mut Bands, u: f32, split: Split) -> (Option<Vec3>, f32) {
     let b = Boundary::at(s);
     let reflected = scale(&mul(throughput, &s.material.specular), b.fresnel);
     let transmitted = scale(&mul(throughput, &s.material.transmission), 1.0 - b.fresnel);
     let (r, t) = (max(&reflected), max(&transmitted));
     if r + t <= 0.0 {
-        return None;
+        return (None, 0.0);
     }
     let p = if split == Split::Even && r > 0.0 && t > 0.0 { 0.5 } else { r / (r + t) };
     if u < p {
         *throughput = scale(&reflected, 1.0 / p);
-        Some(b.reflected)
+        (Some(b.reflected), r + t)
     } else {
         *throughput = scale(&transmitted, b.eta_i_over_t * b.eta_i_over_t / (1.0 - p));
-        Some(b.refracted)
+        (Some(b.refracted), r + t)
     }
 }

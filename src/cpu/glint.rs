@@ -3,12 +3,11 @@
 //! passes. Only in pixels that a pilot marked; the eye path's own emission counts in the others.
 
 use super::bsdf::sample_mirror;
-use super::eye::{Split, cross, ray_through, wants_emission};
+use super::eye::{Split, cross, ray_through, survival, wants_emission};
 use super::ray::Surface;
-use super::streams::{DIMENSION_GLINT, STREAM_GLINT_CHOICE, STREAM_GLINT_JITTER};
-use super::trace::{CERTAIN_EVENTS, EVENTS_MAX, SURVIVAL};
+use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_CHOICE, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
-use crate::bands::{BLACK, Bands, add, is_black, mul, scale};
+use crate::bands::{BLACK, Bands, add, is_black, max, mul, scale};
 use crate::pack::PackedScene;
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};
@@ -70,20 +69,20 @@ fn chain(
         }
         (seen.direct, seen.specular) = (false, true);
         let [u_way, u0, u1, u_survive] = random4(seed, number, pixel, DIMENSION_GLINT + event);
-        let on = if s.flags().is_dielectric() {
+        let carried = max(&throughput);
+        let (on, kept) = if s.flags().is_dielectric() {
             let split = if event < EVEN_EVENTS { Split::Even } else { Split::ByFlux };
             cross(&s, &mut throughput, choices.get(event as usize).copied().unwrap_or(u_way), split)
         } else {
             throughput = mul(&throughput, &s.material.specular);
-            sample_mirror(&s, [u0, u1])
+            (sample_mirror(&s, [u0, u1]), max(&throughput))
         };
         let Some(direction) = on.filter(|_| !is_black(&throughput)) else { return seen };
-        if event >= CERTAIN_EVENTS {
-            if u_survive >= SURVIVAL {
-                return seen;
-            }
-            throughput = scale(&throughput, 1.0 / SURVIVAL);
+        let survival = survival(event, kept / carried);
+        if u_survive >= survival {
+            return seen;
         }
+        throughput = scale(&throughput, 1.0 / survival);
         ray = s.leave(direction);
     }
     tally.truncated += 1;

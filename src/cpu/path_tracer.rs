@@ -12,6 +12,7 @@ use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
+use crate::layout::SURVIVAL_MAX;
 use crate::pack::PackedScene;
 use crate::paths::{Event, LightPaths};
 use crate::plan::Plan;
@@ -21,8 +22,6 @@ use std::sync::Arc;
 
 /// Events before Russian roulette starts.
 const CERTAIN_EVENTS: usize = 4;
-/// Largest probability of going on: every path ends.
-const SURVIVAL_MAX: f32 = 0.95;
 
 /// Renders passes of one path a pixel.
 pub struct PathTracer {

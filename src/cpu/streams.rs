@@ -24,6 +24,9 @@ pub(super) const STREAM_GLINT_JITTER: u32 = 8;
 /// First two events of a glint's chains.
 pub(super) const STREAM_GLINT_CHOICE: u32 = 9;
 
+/// Hard limit of a path's length: the dimensions of a purpose. The roulette ends paths long before.
+pub(super) const EVENTS_MAX: u32 = 1 << 16;
+
 /// Events of the camera's specular chain.
 pub(super) const DIMENSION_EYE: u32 = 1 << 16;
 /// BSDF samples at glossy gather points.

@@ -11,18 +11,13 @@ use super::ray::{Ray, Surface};
 use super::streams::*;
 use crate::backend::{Cause, Tally};
 use crate::bands::{BANDS, Bands, max, mul, scale};
+use crate::layout::{SURE_EVENTS, SURVIVAL_MAX};
 use crate::pack::PackedScene;
 use crate::paths::{DEAD, Event, LightPaths};
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};
 use rayon::prelude::*;
 
-/// Events before a chain may be ended at random: mirrors facing each other never absorb.
-pub(super) const CERTAIN_EVENTS: u32 = 16;
-/// Probability of going on after that, at each event.
-pub(super) const SURVIVAL: f32 = 0.95;
-/// Hard limit of a path's length.
-pub(super) const EVENTS_MAX: u32 = 256;
 /// Most that shading normals may change a joton's flux at one event; Veach's factor is unbounded at grazing angles.
 const ADJOINT_MAX: f32 = 8.0;
 /// Jotons that one task traces: enough to hide the scheduling, few enough to balance it.
@@ -73,8 +68,8 @@ struct Odds {
 
 impl Odds {
     /// p_x = max_b(ρ_x Φ)/max_b(Φ); where the maxima lie in different bands they can exceed one together, and are
-    /// scaled down.
-    fn new(s: &Surface, boundary: Option<&Boundary>, flux: &Bands) -> Self {
+    /// scaled down; late in a path they may not even be one together.
+    fn new(s: &Surface, boundary: Option<&Boundary>, flux: &Bands, event: u32) -> Self {
         let m = s.material;
         let reflectances = match boundary {
             Some(b) => {
@@ -83,7 +78,8 @@ impl Odds {
             None => [reflectance_d(m), m.specular, [0.0; BANDS]],
         };
         let p = reflectances.map(|r| max(&mul(&r, flux)) / max(flux));
-        let fit = 1.0 / p.iter().sum::<f32>().max(1.0);
+        let limit = if event < SURE_EVENTS { 1.0 } else { SURVIVAL_MAX };
+        let fit = limit / p.iter().sum::<f32>().max(limit);
         Self { ways: std::array::from_fn(|i| (reflectances[i], p[i] * fit)) }
     }
 
@@ -141,10 +137,9 @@ impl Tracer<'_> {
             if s.flags().has_diffuse() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
                 self.store(&s, &scale(&flux, adjoint_in), paths.step(state, Event::D));
             }
-            let [u_way, u0, u1, u_lobe] =
-                random4(self.plan.settings.seed, self.pass, i, dimension + 2 * event);
+            let [u_way, u0, u1, u_lobe] = random4(self.plan.settings.seed, self.pass, i, dimension + event);
             let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
-            let odds = Odds::new(&s, boundary.as_ref(), &flux);
+            let odds = Odds::new(&s, boundary.as_ref(), &flux, event);
             if !CAUSTIC {
                 let lost =
                     odds.ways.iter().fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
@@ -184,13 +179,6 @@ impl Tracer<'_> {
             }
             if state == DEAD && CAUSTIC {
                 return;
-            }
-            if event >= CERTAIN_EVENTS {
-                let [u, ..] = random4(self.plan.settings.seed, self.pass, i, dimension + 2 * event + 1);
-                if u >= SURVIVAL {
-                    return;
-                }
-                flux = scale(&flux, 1.0 / SURVIVAL);
             }
             ray = s.leave(w);
         }

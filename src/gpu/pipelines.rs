@@ -6,6 +6,7 @@ use super::kernel::{Buffers, Kernel, Step};
 use super::map::{Kind, Map, MapKernels};
 use crate::error::Result;
 use crate::film::Layer;
+use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
 
 /// The compiled kernels.
@@ -35,6 +36,10 @@ impl Kernels {
             ("HAS_DIELECTRIC", flag(f.dielectric)),
             ("HAS_GLOSSY", flag(f.glossy)),
             ("HAS_PATH_FILTER", flag(f.path_filter)),
+            (
+                "CAMERA_STEPS",
+                f64::from(if context.is_software() { STEP_BUDGET } else { STEP_BUDGET_HARDWARE }),
+            ),
         ];
         let compile = |path: &str| Kernel::new(context, path, "main", &features);
         let with = |path: &str, caustic: bool| {

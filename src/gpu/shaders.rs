@@ -36,6 +36,7 @@ sources![
     "shared/emitter.wgsl",
     "shared/emit.wgsl",
     "shared/camera.wgsl",
+    "shared/survival.wgsl",
     "shared/paths.wgsl",
     "shared/grid.wgsl",
     "shared/index.wgsl",

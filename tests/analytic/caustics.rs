@@ -164,6 +164,10 @@ fn cylinder_mirror_draws_its_nephroid() {
             // noise of some 5,000 jotons; the field is 0.1 wide, over which the factor bends by 1 %
             shot.claim(&format!("nephroid at {x}"), shot.layer(Layer::Caustic), want, 0.06);
         }
+        // all that the mirror takes; less what falls beside the floor through the rims of discs
+        let shot = render(who, &scene(0.45, 0.54, 48), "LS+DE", 16);
+        let taken = low.cos() * 0.6 * 2.0 * 40f64.to_radians().sin() * irradiance;
+        shot.claim("nephroid, all light", flux(&shot, 1.0, 0.54, f64::INFINITY), mirrored(taken), 0.02);
         let size = 48;
         let shot = render(who, &scene(0.5, 0.4, size), "LS+DE", 16);
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(size);

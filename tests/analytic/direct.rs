@@ -1,6 +1,7 @@
 //! Irradiance of a floor straight from its lights: shadow rays.
 
 use crate::build::{Build, Look, black, glowing, matte, v, wide};
+use crate::factors::lambert;
 use crate::harness::{Renderer, Values, everyone, render};
 use glam::DVec3;
 use joton::film::Layer;
@@ -31,35 +32,6 @@ fn exact(_: Renderer) -> f64 {
     2e-4
 }
 
-/// Irradiance at the origin, normal +z, under a polygon of radiance 1 that faces it: Lambert's sum over its edges [A3],
-/// after what lies below the horizon was cut off.
-fn lambert(polygon: &[DVec3]) -> f64 {
-    let mut above: Vec<DVec3> = Vec::new();
-    for (i, &p) in polygon.iter().enumerate() {
-        let q = polygon[(i + 1) % polygon.len()];
-        if p.z >= 0.0 {
-            above.push(p);
-        }
-        if (p.z >= 0.0) != (q.z >= 0.0) {
-            above.push(p + (q - p) * (p.z / (p.z - q.z)));
-        }
-    }
-    let edges = (0..above.len()).map(|i| {
-        let (p, q) = (above[i], above[(i + 1) % above.len()]);
-        p.angle_between(q) * p.cross(q).normalize().z
-    });
-    (edges.sum::<f64>() / 2.0).abs()
-}
-
-/// Lambert's sum has the textbook's value for a square right above: the point form factor of a unit square's corner.
-#[test]
-fn lamberts_sum_is_the_textbooks() {
-    // corner over the point, sides 1 and 1 at height 1: F = 1/(2π) · 2 · 1/√2 · atan(1/√2) (Howell, C-11)
-    let square = [v(0., 0., 1.), v(1., 0., 1.), v(1., 1., 1.), v(0., 1., 1.)];
-    let want = (1.0 / 2f64.sqrt()) * (1.0 / 2f64.sqrt()).atan() / PI;
-    assert!((lambert(&square) / PI - want).abs() < 1e-12, "{} {want}", lambert(&square) / PI);
-}
-
 /// [A3] Irradiance under a square light, aslant, and one that is half below the horizon.
 #[test]
 fn polygon_light_gives_lamberts_irradiance() {
@@ -73,7 +45,7 @@ fn polygon_light_gives_lamberts_irradiance() {
         // the front must look at the origin
         let (u, w) = if u.cross(w).dot(corner + (u + w) / 2.0) < 0.0 { (u, w) } else { (w, u) };
         b.quad(corner, u, w, &glowing(STRENGTH, [0.0; 3]));
-        let irradiance = lambert(&[corner, corner + u, corner + u + w, corner + w]);
+        let irradiance = lambert(&[corner, corner + u, corner + u + w, corner + w], DVec3::Z);
         // noise of 16,384 shadow rays to two triangles
         claim(name, &b, irradiance, 256, |_| tolerance);
     }

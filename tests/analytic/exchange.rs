@@ -1,22 +1,14 @@
 //! Light that one matte surface sends to another.
 
 use crate::build::{Build, matte, v, wide};
+use crate::factors::parallel_rectangles;
 use crate::harness::{everyone, render};
 use joton::film::Layer;
 use std::f64::consts::PI;
 
-/// Form factor between equal, parallel, opposite rectangles of sides x and y in units of their distance.
-fn form_factor(x: f64, y: f64) -> f64 {
-    let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
-    let log = (rx * ry / (1.0 + x * x + y * y).sqrt()).ln();
-    let across = x * ry * (x / ry).atan() + y * rx * (y / rx).atan();
-    2.0 / (PI * x * y) * (log + across - x * x.atan() - y * y.atan())
-}
-
 /// [A13] Two opposite unit squares: the mean irradiance of the upper is ρ E F, from a lower one that the sun lights aslant.
 #[test]
 fn parallel_plates_exchange_by_their_form_factor() {
-    assert!((form_factor(1.0, 1.0) - 0.199_825).abs() < 1e-6, "{}", form_factor(1.0, 1.0));
     let (lower, upper, sun) = ([0.8f32, 0.5, 0.2], [0.3f32, 0.6, 0.9], [1.0f32, 2.0, 3.0]);
     for distance in [1.0, 0.6] {
         // the image is the upper plate
@@ -27,7 +19,7 @@ fn parallel_plates_exchange_by_their_form_factor() {
         // so low that the upper plate's shadow misses the lower one
         let low = 65f64.to_radians();
         b.sun(v(low.sin(), 0., -low.cos()), sun);
-        let factor = low.cos() * form_factor(1.0 / distance, 1.0 / distance) / PI;
+        let factor = low.cos() * parallel_rectangles(1.0 / distance, 1.0 / distance) / PI;
         let want = std::array::from_fn(|i| wide(upper)[i] * wide(lower)[i] * wide(sun)[i] * factor);
         for who in everyone() {
             let shot = render(who, &b.0, "LDDE", 64);

@@ -7,9 +7,11 @@
 
 mod build;
 mod caustics;
+mod cie;
 mod direct;
 mod estimate;
 mod exchange;
+mod factors;
 mod furnace;
 mod glass;
 mod harness;

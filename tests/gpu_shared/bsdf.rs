@@ -3,6 +3,7 @@
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row, row3};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
+use joton::layout::{SURE_EVENTS, SURVIVAL_MAX};
 use joton::pack::PackedMaterial;
 use joton::scene::{Dielectric, Material};
 use std::f64::consts::{PI, TAU};
@@ -185,8 +186,8 @@ fn brdf_is_lambert_plus_phong() {
     assert!(bright > 100, "the lobe was met {bright} times");
 }
 
-/// chances are the shares of the flux that events take; those of the roulette are scaled down to one event: what is drawn
-/// must be what the flux is divided by, or coloured lobes lose light.
+/// chances are the shares of the flux that events take; those of the roulette are scaled down to one event, and late in a
+/// path to a little less: what is drawn must be what the flux is divided by, or coloured lobes lose light.
 #[test]
 fn chances_share_out_the_flux() {
     let context = device_or_return!();
@@ -199,15 +200,19 @@ fn chances_share_out_the_flux() {
             // fluxes of any size, and pure bands
             let scale = 10f32.powi((i % 41) as i32 - 20);
             let mask = if i % 5 == 0 { Vec3::X } else { Vec3::ONE };
-            inputs
-                .push([row3(Vec3::new(r, g, b) * mask * scale, m as f32), row([reflectance, 0.0, 0.0, 0.0])]);
+            // early and late in a path
+            let events = (i as u32 / 2 % 2) * SURE_EVENTS;
+            inputs.push([
+                row3(Vec3::new(r, g, b) * mask * scale, m as f32),
+                row([reflectance, events as f32, 0.0, 0.0]),
+            ]);
         }
     }
     let snippet = Snippet {
         imports: BSDF,
         declarations: MATERIALS,
         code: "let c = chances(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
-            let r = roulette_chances(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
+            let r = roulette_chances(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x, u32(in_f(1u).y));
             out_f(0u, vec4(c.diffuse, c.glossy, c.mirror, c.reflect));
             out_f(1u, vec4(c.transmit, r.transmit, 0.0, 0.0));
             out_f(2u, vec4(r.diffuse, r.glossy, r.mirror, r.reflect));",
@@ -239,7 +244,8 @@ fn chances_share_out_the_flux() {
         let (got, drawn) = (all(four, transmit), all(roulette, drawn_transmit));
         for (k, w) in wanted.iter().enumerate() {
             assert!((got[k] - w).abs() < 1e-5, "event {k} of {carried}: {} against {w}", got[k]);
-            let w = w / sum.max(1.0);
+            let limit = f64::from(if floats(*r)[1] == 0.0 { 1.0 } else { SURVIVAL_MAX });
+            let w = w * limit / sum.max(limit);
             assert!((drawn[k] - w).abs() < 1e-5, "drawn, event {k} of {carried}: {} against {w}", drawn[k]);
         }
         assert!(drawn.iter().sum::<f64>() <= 1.0 + 1e-5, "{carried}: {drawn:?}");

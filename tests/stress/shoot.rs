@@ -53,7 +53,7 @@ pub fn batch(backend: &mut dyn Backend, first: u64, count: u32) -> Batch {
     let batch = backend.render(first, count).unwrap_or_else(|e| panic!("{e}"));
     let values = || batch.layers.iter().flatten().flatten();
     assert!(values().all(|&x| is_finite(x)), "{}: a value of the film is not finite", backend.describe());
-    assert_eq!(batch.tally.non_finite, 0, "{}: values were left out of the film", backend.describe());
+    assert_eq!(batch.tally.non_finite.total(), 0, "{}: values were left out of the film", backend.describe());
     let cut = batch.tally.truncated as f64 / batch.tally.rays.max(1) as f64;
     assert!(cut <= CUT_MAX, "{}: {} paths were cut", backend.describe(), batch.tally.truncated);
     LOOKED_AT.fetch_add(values().count() as u64, Ordering::Relaxed);
