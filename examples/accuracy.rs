@@ -149,8 +149,8 @@ impl Moments {
 
     fn add(&mut self, v: &Values) {
         self.runs += 1.0;
-        for c in 0..CLASSES {
-            for (i, x) in v[c].iter().enumerate() {
+        for (c, class) in v.iter().enumerate() {
+            for (i, x) in class.iter().enumerate() {
                 self.sums[c][i] += x;
                 self.squares[c][i] += x * x;
             }

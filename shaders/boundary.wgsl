@@ -1,10 +1,12 @@
 // Boundary: what part of a gather point's disc is surface at all, and the weights of a local linear fit over it.
 // Σ a (c0 + c1 x + c2 y) (1, x, y) = (1, 0, 0) over the area points in the disc [E15]: exact for a linear field, so what a
 // disc loses at an edge or in a corner neither darkens nor bends the estimate.
-// reads  map_info, gather_points, area_points (bucket order), area_starts      writes  fits, edges (pilot; passes read them)
+// reads  map_info, gather_points, area_points (bucket order), area_starts, clips (passes)
+// writes  fits, edges (pilot: 1 cut, 2 other surfaces near; passes read the first)
 // import: shared/index.wgsl
 // import: shared/sampling.wgsl
 // import: shared/grid.wgsl
+// import: shared/clip.wgsl
 
 @group(0) @binding(0) var<uniform> pass_info: PassInfo;
 @group(0) @binding(1) var<uniform> map_info: MapInfo;
@@ -13,7 +15,8 @@
 @group(0) @binding(4) var<storage, read> area_starts: array<u32>;
 @group(0) @binding(5) var<storage, read_write> fits: array<Fit>;
 @group(0) @binding(6) var<storage, read_write> edges: array<u32>;
-@group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read> clips: array<Clip>;
+@group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
 
 // The pilot finds the pixels whose discs are not whole; later passes look at these, their neighbours and at what is seen
 // through specular surfaces. The radius only shrinks: what is whole stays whole.
@@ -37,7 +40,7 @@ fn edge_near(pixel: u32) -> bool {
             near |= edges[y * pass_info.width + x];
         }
     }
-    return near != 0u;
+    return (near & EDGE_CUT) != 0u;
 }
 
 @compute @workgroup_size(64)
@@ -50,14 +53,18 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let r = map_info.radius * select(1.0, PILOT_REACH, PILOT);
     let disc = PI * r * r;
     let direct_view = ((point.surface >> 24u) & 63u) == 0u;
-    if direct_view && !PILOT && !edge_near(pixel) {
+    let normal = decode_direction(point.normal);
+    var walls = no_walls(r);
+    if !PILOT {
+        walls = walls_about(pixel, point.position, normal, r);
+    }
+    if direct_view && !PILOT && all(walls.planes[0].xyz == vec3(0.0)) && !edge_near(pixel) {
         fits[pixel] = Fit(vec4(1.0 / disc, 0.0, 0.0, 0.0));
         return;
     }
     if max(point.throughput.x, max(point.throughput.y, point.throughput.z)) <= 0.0 {
         return;
     }
-    let normal = decode_direction(point.normal);
     let front = select(normal, -normal, (point.surface & BACK_SIDE) != 0u);
     let frame = basis(normal);
     let r2 = r * r;
@@ -66,6 +73,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let cell = 1.0 / map_info.area_cells_per_unit;
     var m = vec3(0.0); // n, Σx, Σy
     var mm = vec3(0.0); // Σxx, Σxy, Σyy
+    var others = false;
     for (var z = lowest.z; z <= highest.z; z += 1) {
         for (var y = lowest.y; y <= highest.y; y += 1) {
             let reach = reach_in_row(point.position, r2, y, z, map_info.grid_origin, cell);
@@ -74,17 +82,23 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             }
             let row = row_bucket(y, z, map_info.area_row_mask);
             let x = point.position.x - map_info.grid_origin.x;
-            let first = column(i32(floor((x - reach) * map_info.area_cells_per_unit)), map_info.area_columns);
+            let left = column(i32(floor((x - reach) * map_info.area_cells_per_unit)), map_info.area_columns);
             let last = column(i32(floor((x + reach) * map_info.area_cells_per_unit)), map_info.area_columns);
             let end = area_starts[row + last + 1u];
-            var i = area_starts[row + first];
+            var i = area_starts[row + left];
             while i < end {
                 let a = area_points[i];
                 i += 1u;
                 let d = a.position - point.position;
                 let facing = dot(decode_normal24(a.normal), front);
                 let share = select(GATHER_SHEET_SHARE, GATHER_PLANE_SHARE, facing > 0.0);
-                if dot(d, d) < r2 && abs(facing) > 127.0 * GATHER_NORMAL_COS && abs(dot(d, normal)) < share * r {
+                if dot(d, d) >= r2 {
+                    continue;
+                }
+                if abs(facing) <= 127.0 * GATHER_NORMAL_COS {
+                    others = true;
+                } else if abs(dot(d, normal)) < share * r && is_before(walls.planes[0], a.position)
+                    && is_before(walls.planes[1], a.position) {
                     let u = dot(d, frame[0]);
                     let v = dot(d, frame[1]);
                     m += vec3(1.0, u, v);
@@ -116,11 +130,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             } else {
                 c = vec4(1.0 / area, 0.0, 0.0, 0.0);
             }
-            edge = 1u;
+            edge = EDGE_CUT;
         }
     }
     if PILOT {
-        edges[pixel] = edge;
+        // where pixels are large the pilot's point does not speak for the others
+        others = others || pixel_footprint(point, pass_info.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
+        edges[pixel] = edge | select(0u, EDGE_OTHERS, others);
     }
     fits[pixel] = Fit(c);
 }

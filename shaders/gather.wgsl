@@ -1,10 +1,12 @@
 // Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
 // L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the weights of the boundary's fit; no cosine, it is in Φ already.  [E7] Jensen 1996
 // Two variants: the caustic map (a radius for each pixel) and the diffuse map (fitted at boundaries).
-// reads  map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits      writes  film, status
+// reads  map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits, clips
+// writes  film, status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
 // import: shared/grid.wgsl
+// import: shared/clip.wgsl
 // import: shared/bsdf.wgsl
 // import: shared/paths.wgsl
 
@@ -21,6 +23,7 @@ override CAUSTIC: bool = false;
 @group(0) @binding(7) var<storage, read> fits: array<Fit>;
 @group(0) @binding(8) var<storage, read_write> film: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read> clips: array<Clip>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -44,6 +47,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
     let frame = basis(normal);
+    let walls = walls_about(pixel, point.position, normal, r);
+    let first_wall = walls.planes[0];
+    let second_wall = walls.planes[1];
     let slope = (fit.y * frame[0] + fit.z * frame[1]) / r;
     let r2 = r * r;
     let plane = GATHER_PLANE_SHARE * r;
@@ -59,15 +65,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             }
             let row = row_bucket(y, z, map_info.row_mask);
             let x = point.position.x - map_info.grid_origin.x;
-            let first = column(i32(floor((x - reach) * map_info.cells_per_unit)), map_info.columns);
+            let left = column(i32(floor((x - reach) * map_info.cells_per_unit)), map_info.columns);
             let last = column(i32(floor((x + reach) * map_info.cells_per_unit)), map_info.columns);
             let end = bucket_starts[row + last + 1u];
-            var i = bucket_starts[row + first];
+            var i = bucket_starts[row + left];
             while i < end {
-                let d = sorted_jotons[i].position - point.position;
+                let position = sorted_jotons[i].position;
+                let d = position - point.position;
                 let normal_state = sorted_jotons[i].normal_state;
                 if dot(d, d) < r2 && abs(dot(d, normal)) < plane
                     && dot(decode_normal24(normal_state), normal) > 127.0 * GATHER_NORMAL_COS
+                    && is_before(first_wall, position) && is_before(second_wall, position)
                     && (!HAS_PATH_FILTER || path_wanted(normal_state >> 24u, chain)) {
                     var flux = sorted_jotons[i].flux;
                     if is_glossy {
@@ -88,7 +96,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
     }
     if CAUSTIC {
-        sum /= PI * r * r;
+        // what walls take of the disc carries no light of this side
+        let kept = kept_share(first_wall, point.position, r) * kept_share(second_wall, point.position, r);
+        sum /= PI * r * r * max(kept, CLIP_KEPT_MIN);
     }
     if !is_glossy {
         sum *= materials[material].diffuse / PI;

@@ -217,6 +217,17 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// Planes of walls that cut the disc of a pixel's gather point: unit normal, and its product with a point of the plane;
+    /// zeros where there is none.
+    pub struct Clip {
+        /// The nearest.
+        pub first: Vec4,
+        /// The next.
+        pub second: Vec4,
+    }
+}
+
+gpu_struct! {
     /// The automaton of --paths.
     pub struct PathFilter {
         /// Next state for events D and S: word 2 * state + event.
@@ -258,6 +269,25 @@ pub const GATHER_PLANE_SHARE: f32 = 0.2;
 /// Area points of the opposite orientation count only this near the plane: two sheets of a thin board are not one.
 pub const GATHER_SHEET_SHARE: f32 = 0.01;
 
+/// Rays along the surface that look for walls about a gather point …
+pub const CLIP_RAYS: u32 = 8;
+/// … this part of the radius above it. What is lower than that is no wall.
+pub const CLIP_LIFT: f32 = 0.05;
+/// … and so much longer than the distance at which a wall is to be found: 1/cos of half the angle between two rays.
+pub const CLIP_REACH: f32 = 1.083;
+/// Cosine between view and normal below which a pixel is not taken to be any longer on the surface.
+pub const CLIP_GRAZING: f32 = 0.1;
+/// Cosine between a wall's normal and the surface's, at most; what is flatter is the surface itself, curved.
+pub const CLIP_STEEP: f32 = 0.5;
+/// Cosine between the normals of two hits above which they are of one wall, if they are equally far.
+pub const CLIP_SAME: f32 = 0.999;
+/// Least part of a caustic disc that two walls may leave: the product of their shares is exact for right angles only.
+pub const CLIP_KEPT_MIN: f32 = 0.1;
+/// Bits of the pilot's finding about a disc: it is not whole; other surfaces reach into its ball.
+pub const EDGE_CUT: u32 = 1;
+/// See [`EDGE_CUT`].
+pub const EDGE_OTHERS: u32 = 2;
+
 /// Events after which no path goes on for sure …
 pub const SURE_EVENTS: u32 = 64;
 /// … but with this probability at most, at each event [E3]: so paths end between perfect mirrors and inside bodies that
@@ -293,6 +323,9 @@ pub fn constants() -> String {
     u("STATUS_RAYS_HIGH", status::RAYS_HIGH);
     u("STATUS_TRAVERSAL_CUT", status::TRAVERSAL_CUT);
     u("SURE_EVENTS", SURE_EVENTS);
+    u("CLIP_RAYS", CLIP_RAYS);
+    u("EDGE_CUT", EDGE_CUT);
+    u("EDGE_OTHERS", EDGE_OTHERS);
     u("STEP_BUDGET", STEP_BUDGET);
     u("TRAVERSAL_STACK", TRAVERSAL_STACK);
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);
@@ -306,6 +339,12 @@ pub fn constants() -> String {
     f("GATHER_NORMAL_COS", GATHER_NORMAL_COS);
     f("GATHER_PLANE_SHARE", GATHER_PLANE_SHARE);
     f("GATHER_SHEET_SHARE", GATHER_SHEET_SHARE);
+    f("CLIP_LIFT", CLIP_LIFT);
+    f("CLIP_STEEP", CLIP_STEEP);
+    f("CLIP_REACH", CLIP_REACH);
+    f("CLIP_GRAZING", CLIP_GRAZING);
+    f("CLIP_SAME", CLIP_SAME);
+    f("CLIP_KEPT_MIN", CLIP_KEPT_MIN);
     s
 }
 
@@ -346,6 +385,7 @@ pub fn declarations() -> String {
         LaneTally::WGSL,
         AreaPoint::WGSL,
         Fit::WGSL,
+        Clip::WGSL,
         PathFilter::WGSL,
         PackedTriangle::WGSL,
         PackedMaterial::WGSL,

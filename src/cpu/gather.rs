@@ -3,9 +3,10 @@
 
 use super::boundary::Weights;
 use super::bsdf::eval_d;
+use super::clip::Walls;
 use super::eye::GatherPoint;
 use super::kd_tree::{EMPTY, LANES};
-use super::maps::{Four, JotonMap};
+use super::maps::{AreaMap, Four, JotonMap};
 use super::sampling::basis;
 use crate::bands::{BANDS, Bands, add, mul, scale};
 use crate::layout::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE, GATHER_SHEET_SHARE};
@@ -24,6 +25,8 @@ pub(super) struct Window {
     plane_max: f32,
     /// Likewise for area points of the opposite orientation.
     sheet_max: f32,
+    /// Walls: normals, and offsets from the centre.
+    walls: Option<[(Vec3, f32); 2]>,
 }
 
 fn dot(a: &[Vec4; 3], b: Vec3) -> Vec4 {
@@ -42,7 +45,31 @@ impl Window {
             tangents: [t0, t1],
             plane_max: GATHER_PLANE_SHARE * radius,
             sheet_max: GATHER_SHEET_SHARE * radius,
+            walls: None,
         }
+    }
+
+    /// The part of it before the walls.
+    pub(super) fn before(mut self, walls: &Walls) -> Self {
+        self.walls = walls.from(self.center);
+        self
+    }
+
+    /// True where no wall cuts it.
+    pub(super) fn is_open(&self) -> bool {
+        self.walls.is_none()
+    }
+
+    /// True where surface of another direction reaches into the ball about the centre.
+    pub(super) fn sees_others(&self, map: &AreaMap) -> bool {
+        let mut others = false;
+        map.tree.visit(self.center, self.radius_squared, |quads| {
+            for four in &map.fours[quads] {
+                let facing = dot(&four.normal, self.normal).abs();
+                others |= (self.near(four).0 & facing.cmple(Vec4::splat(GATHER_NORMAL_COS))).any();
+            }
+        });
+        others
     }
 
     /// Offsets, which are within the radius, and their distances from the plane.
@@ -50,7 +77,11 @@ impl Window {
     fn near(&self, four: &Four) -> (BVec4A, [Vec4; 3], Vec4) {
         let d: [Vec4; 3] = std::array::from_fn(|c| four.position[c] - Vec4::splat(self.center[c]));
         let distance_squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        (distance_squared.cmplt(Vec4::splat(self.radius_squared)), d, dot(&d, self.normal).abs())
+        let mut near = distance_squared.cmplt(Vec4::splat(self.radius_squared));
+        for (normal, offset) in self.walls.iter().flatten() {
+            near &= dot(&d, *normal).cmpge(Vec4::splat(*offset));
+        }
+        (near, d, dot(&d, self.normal).abs())
     }
 
     /// Which of four jotons count, and their offsets.

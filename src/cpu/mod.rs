@@ -6,6 +6,7 @@
 
 mod boundary;
 pub mod bsdf;
+mod clip;
 mod direct;
 mod emit;
 mod eye;
@@ -32,6 +33,7 @@ use crate::pack::{PackedScene, scatter_area_points};
 use crate::plan::{Plan, shrink};
 use crate::rng::sequence_seed;
 use boundary::Interior;
+use clip::Clip;
 use maps::{AreaMap, JotonMap};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -53,6 +55,8 @@ pub struct CpuBackend {
     caustic_base: Vec<f32>,
     /// Whether each pixel's emission is left to glint chains; empty until it is needed.
     glints: Vec<bool>,
+    /// Walls about each pixel's gather point; empty until they are needed.
+    clips: Vec<Clip>,
     area: Option<Area>,
 }
 
@@ -82,12 +86,14 @@ struct Pass<'a> {
     diffuse_radius: f32,
     /// Where each pixel's disc is known to be whole; empty where nothing is known.
     interiors: &'a [Interior],
+    /// Walls about each pixel's gather point; empty where no map is traced.
+    clips: &'a [Clip],
 }
 
 impl CpuBackend {
     /// A backend for a scene and its plan, on the threads of rayon's current pool.
     pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
-        Self { scene, plan, caustic_base: Vec::new(), glints: Vec::new(), area: None }
+        Self { scene, plan, caustic_base: Vec::new(), glints: Vec::new(), clips: Vec::new(), area: None }
     }
 
     /// Scatter new area points where `pass` belongs to another group than the last; survey them once they are used
@@ -143,6 +149,7 @@ impl CpuBackend {
             glints: &self.glints,
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
             diffuse_radius,
+            clips: &self.clips,
             interiors: area.filter(|_| known).map_or(&[][..], |a| &a.interiors[..]),
         };
         *tally += pixels::render(&pass, layers);
@@ -167,6 +174,12 @@ impl Backend for CpuBackend {
         }
         if self.plan.traces(Layer::Emission) && self.glints.is_empty() {
             self.glints = glint::mark(&self.scene, self.plan.settings.seed, PILOT_PASS);
+        }
+        if self.clips.is_empty() && (self.plan.traces(Layer::Caustic) || self.plan.traces(Layer::Diffuse)) {
+            // with the area points of the first passes, whatever is rendered first
+            self.refresh_area(0);
+            let area = self.area.as_ref().map(|a| &a.map);
+            self.clips = pixels::clips(&self.scene, &self.plan, PILOT_PASS, area);
         }
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
         for pass in first..first + u64::from(count) {

@@ -1,12 +1,14 @@
 //! Pixels: one pass's eye path, direct light and gather of every pixel, in small tiles so that neighbours share caches.
 
 use super::boundary::{Interior, Weights, weights};
+use super::clip::{self, Clip, Walls};
 use super::gather::{Window, count, radiance};
 use super::maps::{AreaMap, JotonMap};
 use super::{Pass, direct, eye, glint};
 use crate::backend::{Cause, Tally};
 use crate::bands::{Bands, add};
 use crate::film::{LAYERS, Layer};
+use crate::layout::CLIP_KEPT_MIN;
 use crate::pack::PackedScene;
 use crate::paths::{Event, LightPaths};
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
@@ -87,13 +89,20 @@ fn one(pass: &Pass, pixel: u32, tally: &mut Tally) -> [Bands; LAYERS] {
     if plan.traces(Layer::Caustic) {
         let [smallest, largest] = caustic_limits(scene, plan, &g);
         let base = pass.caustic_base[pixel as usize].clamp(smallest, largest);
-        let w = Window::new(&g, base * base * pass.caustic_shrink);
+        let radius = base * pass.caustic_shrink.sqrt();
+        let walls = Walls::about(pass.clips, scene.size, pixel, &g, radius);
+        let w = Window::new(&g, radius * radius).before(&walls);
+        // what walls take of the disc carries no light of this side
+        let kept = walls.kept_share(g.position).max(CLIP_KEPT_MIN);
         out[Layer::Caustic as usize] =
-            radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared), accepted);
+            radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared * kept), accepted);
     }
     if let (true, Some(area)) = (plan.traces(Layer::Diffuse), pass.area) {
-        let w = Window::new(&g, pass.diffuse_radius * pass.diffuse_radius);
-        let whole = pass.interiors.get(pixel as usize).is_some_and(|i| i.holds(&g, pass.diffuse_radius));
+        let radius = pass.diffuse_radius;
+        let walls = Walls::about(pass.clips, scene.size, pixel, &g, radius);
+        let w = Window::new(&g, radius * radius).before(&walls);
+        let whole = w.is_open()
+            && pass.interiors.get(pixel as usize).is_some_and(|i| i.holds(&g, pass.diffuse_radius));
         let weights = if whole { Weights::plain(w.radius_squared) } else { weights(area, &w) };
         out[Layer::Diffuse as usize] = radiance(&pass.diffuse, &g, &w, weights, accepted);
     }
@@ -121,6 +130,18 @@ pub(super) fn interiors(
     let mut all = vec![Interior::default(); scene.pixels()];
     strips.into_iter().flatten().for_each(|(pixel, interior)| all[pixel as usize] = interior);
     all
+}
+
+/// The walls about each pixel's gather point, within the largest radius.
+pub(super) fn clips(scene: &PackedScene, plan: &Plan, pass: u32, area: Option<&AreaMap>) -> Vec<Clip> {
+    let schedule = if plan.traces(Layer::Diffuse) { &plan.diffuse } else { &plan.caustic };
+    (0..scene.pixels() as u32)
+        .into_par_iter()
+        .map(|pixel| {
+            let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point;
+            g.map_or(Clip::default(), |g| clip::find(scene, area, &g, schedule.base as f32))
+        })
+        .collect()
 }
 
 /// Smallest and largest caustic radius of the first pass at a gather point.

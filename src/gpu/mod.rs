@@ -21,7 +21,7 @@ use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 use crate::film::LAYERS;
-use crate::layout::{Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
+use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
 use crate::plan::Plan;
 use crate::rng::sequence_seed;
@@ -136,6 +136,7 @@ impl GpuBackend {
             ("radii", pixels * size_of::<Fit>() as u64),
             ("counts", pixels * 4),
             ("edges", pixels * 4),
+            ("clips", pixels * size_of::<Clip>() as u64),
             ("status", u64::from(status::SLOTS) * 4),
             ("area_starts", area::AREA_STARTS as u64 * 4),
         ]);

@@ -5,7 +5,7 @@ use super::pipelines::Steps;
 use super::recorder::Recorder;
 use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
-use crate::layout::{MapInfo, PassInfo, status};
+use crate::layout::{EDGE_OTHERS, MapInfo, PassInfo, status};
 
 /// Random numbers of the pilot.
 const PILOT_PASS: u32 = u32::MAX;
@@ -135,19 +135,28 @@ impl GpuBackend {
         self.context.wait()
     }
 
-    /// Find the pixels whose discs are cut by edges, once, with the largest radius.
+    /// Find the pixels whose discs are cut by edges and by walls, once, with the largest radius.
     fn find_edges(&mut self) -> Result<()> {
-        if self.shapes.diffuse.is_none() {
-            return Ok(());
+        let kind = if self.shapes.diffuse.is_some() { Kind::Diffuse } else { Kind::Caustic };
+        if kind == Kind::Diffuse {
+            self.renew_area_points(0)?;
         }
-        self.renew_area_points(0)?;
         let pass = self.pass_info(PILOT_PASS);
-        let info = self.map_info(Kind::Diffuse, 0, PILOT_PASS);
-        let Some(Steps { eye, boundary: Some([_, pilot]), .. }) = &self.steps else { return Ok(()) };
+        let info = self.map_info(kind, 0, PILOT_PASS);
+        let Some(Steps { eye, boundary, clip: Some(clip), .. }) = &self.steps else { return Ok(()) };
+        let pixels = self.scene.pixels() as u32;
+        if boundary.is_none() {
+            // nothing is known of what is near
+            let anything = vec![EDGE_OTHERS; pixels as usize];
+            self.context.queue.write_buffer(&self.buffers["edges"], 0, bytemuck::cast_slice(&anything));
+        }
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
-        recorder.dispatch(eye, &at, self.scene.pixels() as u32);
-        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.dispatch(eye, &at, pixels);
+        if let Some([_, pilot]) = boundary {
+            recorder.dispatch(pilot, &at, pixels);
+        }
+        recorder.dispatch(clip, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);
         self.context.wait()
     }

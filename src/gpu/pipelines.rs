@@ -17,6 +17,7 @@ pub(super) struct Kernels {
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
     boundary: [Option<Kernel>; 2],
+    clip: Option<Kernel>,
     caustic_count: Option<Kernel>,
     caustic_radius: Option<Kernel>,
     map: Option<MapKernels>,
@@ -80,6 +81,7 @@ impl Kernels {
                 optional(diffuse, &|| compile("boundary.wgsl"))?,
                 optional(diffuse, &|| Kernel::new(context, "boundary.wgsl", "main", &[("PILOT", 1.0)]))?,
             ],
+            clip: optional(caustic || diffuse, &|| compile("clip.wgsl"))?,
             caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
             caustic_radius: optional(caustic, &|| {
                 Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)
@@ -96,6 +98,7 @@ pub(super) struct Steps {
     pub(super) glint: Option<[Step; 3]>,
     pub(super) direct: Option<Step>,
     pub(super) boundary: Option<[Step; 2]>,
+    pub(super) clip: Option<Step>,
     pub(super) maps: Vec<(Map, Step)>,
     pub(super) pilot: Option<[Step; 2]>,
 }
@@ -150,6 +153,7 @@ impl Steps {
                 }
                 _ => None,
             },
+            clip: optional(&kernels.clip, &[])?,
             maps,
             pilot,
         })

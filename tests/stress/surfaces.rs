@@ -110,8 +110,8 @@ fn rooms(thickness: f64, side: Side, caustics: bool) -> Scene {
     b.0
 }
 
-/// Not a joton and not a ray gets through the wall. What a disc gathers on the other side of it, where floor and ceiling
-/// go on in one plane, is told: the disc sees no walls.
+/// Not a joton and not a ray gets through the wall, and no disc gathers on its other side, where floor and ceiling go on in
+/// one plane.
 fn thin_walls(sheet: &mut Sheet) {
     /// World units.
     const RADIUS: f64 = 0.1;
@@ -162,15 +162,13 @@ fn thin_walls(sheet: &mut Sheet) {
                     .map(|x| f64::from(*x))
                     .sum::<f64>()
             };
-            // half of a disc at the wall's foot lies on the other side; discs cover a part of the image
-            let limit = if who == Renderer::PathTracer { 0.0 } else { 0.1 };
             let leak = sum(&near) / sum(&bright);
             sheet.at_most(
                 format!("{name}: dark, gathered within a radius"),
                 format!("{who:?}"),
                 "of the lit side",
                 leak,
-                limit,
+                0.0,
             );
         }
     }
