@@ -45,6 +45,7 @@ macro_rules! for_every_struct {
             layout::LaneTally,
             layout::AreaPoint,
             layout::Fit,
+            layout::Clip,
             layout::PathFilter,
             joton::pack::PackedTriangle,
             joton::pack::PackedMaterial,

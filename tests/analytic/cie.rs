@@ -125,7 +125,7 @@ impl PatchAndWall {
 /// 5.6: a wall beside an evenly lit, diffuse patch gets what Lambert's formula says.
 #[test]
 fn diffuse_reflection_follows_its_configuration_factor() {
-    PatchAndWall { low: 0.3, high: 1.1, half: 0.5, panel: None }.claim("patch", 512, 0.012);
+    PatchAndWall { low: 0.3, high: 1.1, half: 0.5, panel: None }.claim("patch", 640, 0.012);
 }
 
 /// 5.7: behind a panel, what the part of the patch sends that it sees.
@@ -133,7 +133,7 @@ fn diffuse_reflection_follows_its_configuration_factor() {
 fn internal_obstruction_hides_its_part_of_the_patch() {
     PatchAndWall { low: 0.3, high: 1.1, half: 0.5, panel: Some((0.2, 0.22)) }.claim(
         "patch behind a panel",
-        1024,
+        1536,
         0.015,
     );
 }

@@ -7,7 +7,7 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 use joton::gpu::Context;
 use joton::gpu::harness::{Harness, Work, encode_direction};
-use joton::layout::{Fit, GatherPoint, Joton, Lane, MapInfo, row_bucket, status};
+use joton::layout::{Clip, Fit, GatherPoint, Joton, Lane, MapInfo, row_bucket, status};
 use joton::pack::PackedMaterial;
 use joton::scene::Material;
 use std::f64::consts::{PI, TAU};
@@ -75,6 +75,7 @@ impl Question<'_> {
         harness.uniform("path_filter", &path_filter(self.paths));
         harness.storage("materials", &materials());
         harness.storage("gather_points", self.points);
+        harness.storage("clips", &vec![Clip::zeroed(); self.points.len()]);
         harness.storage("fits", self.fits);
         harness.storage("film", &vec![[0.0f32; 4]; self.points.len()]);
         let mut pass = pass_info();
