@@ -1,7 +1,7 @@
 // Clip: the planes of the walls that cut a gather point's disc. Light from behind a wall must not reach the disc's middle,
 // though the surface goes on there: a partition that stands on a floor. The pilot sends a few rays along the surface; what
 // they meet at a steep angle within the disc are walls. Passes keep to the gather point's side of the nearest two.
-// reads  nodes, triangles, map_info, gather_points, edges (1: cut, 2: other surfaces near)   writes  clips, status
+// reads  nodes, triangles, materials, map_info, gather_points, edges (1: cut, 2: other surfaces near)   writes  clips, status
 // import: shared/index.wgsl
 // import: shared/sampling.wgsl
 // import: shared/intersect.wgsl
@@ -14,7 +14,8 @@
 @group(0) @binding(4) var<storage, read> gather_points: array<GatherPoint>;
 @group(0) @binding(5) var<storage, read> edges: array<u32>;
 @group(0) @binding(6) var<storage, read_write> clips: array<Clip>;
-@group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read> materials: array<PackedMaterial>;
+@group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -40,6 +41,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 continue;
             }
             let t = triangles[hit.triangle];
+            // light goes through glass
+            if (materials[t.material].flag_bits & DIELECTRIC) != 0u {
+                continue;
+            }
             let front = normalize(cross(t.e1, t.e2));
             let plane = vec4(front, dot(front, t.v0));
             if is_steep(plane, normal) {

@@ -110,13 +110,17 @@ impl Walls {
     }
 }
 
+/// Where pixels are larger than this part of the radius, one point of a pixel does not speak for the others.
+const LARGE_PIXEL: f32 = 0.15;
+
 /// Look for walls within the radius; nowhere where `area` shows that no other surface is near.
 pub(super) fn find(scene: &PackedScene, area: Option<&AreaMap>, g: &GatherPoint, radius: f32) -> Clip {
     // the pixel's other gather points lie about this one
     let footprint = g.length * scene.pixel_angle() / g.ng.dot(g.wo).abs().max(CLIP_GRAZING);
+    let large = footprint > LARGE_PIXEL * radius;
     let radius = radius + footprint;
     let mut walls = Walls::none(radius);
-    if area.is_some_and(|map| !Window::new(g, radius * radius).sees_others(map)) {
+    if area.is_some_and(|map| !large && !Window::new(g, radius * radius).sees_others(map)) {
         return walls.planes;
     }
     let (x, y) = basis(g.ng);
@@ -128,6 +132,10 @@ pub(super) fn find(scene: &PackedScene, area: Option<&AreaMap>, g: &GatherPoint,
             continue;
         };
         let triangle = &scene.triangles[hit.triangle as usize];
+        // light goes through glass
+        if scene.materials[triangle.material as usize].flags().is_dielectric() {
+            continue;
+        }
         let normal = triangle.normal();
         let plane = Plane { normal, offset: normal.dot(triangle.v0) };
         if plane.is_steep(g.ng) {

@@ -79,7 +79,10 @@ impl Kernels {
             ],
             boundary: [
                 optional(diffuse, &|| compile("boundary.wgsl"))?,
-                optional(diffuse, &|| Kernel::new(context, "boundary.wgsl", "main", &[("PILOT", 1.0)]))?,
+                optional(diffuse, &|| {
+                    let overrides = [("PILOT", 1.0), ("MIRRORS", flag(f.specular))];
+                    Kernel::new(context, "boundary.wgsl", "main", &overrides)
+                })?,
             ],
             clip: optional(caustic || diffuse, &|| compile("clip.wgsl"))?,
             caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
