@@ -21,8 +21,8 @@
 // The pilot finds the pixels whose discs are not whole; later passes look at these, their neighbours and at what is seen
 // through specular surfaces. The radius only shrinks: what is whole stays whole.
 override PILOT: bool = false;
-// There are mirrors in the scene.
-override MIRRORS: bool = false;
+// Something in the scene mirrors or refracts.
+override SPECULAR_BODIES: bool = false;
 
 // To the pilot a disc is whole where it has this part of its area and its centroid lies this near (in radii); the rest
 // is noise of the area points. Elsewhere the fit is always solved.
@@ -136,8 +136,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
     }
     if PILOT {
-        // mirrors have no area points; and where pixels are large the pilot's point does not speak for the others
-        others = others || MIRRORS || pixel_footprint(point, pass_info.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
+        // mirrors have no area points, and --paths must not change what is found; and where pixels are large the pilot's point does not speak for the others
+        others = others || SPECULAR_BODIES || pixel_footprint(point, pass_info.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
         edges[pixel] = edge | select(0u, EDGE_OTHERS, others);
     }
     fits[pixel] = Fit(c);

@@ -178,8 +178,8 @@ impl Backend for CpuBackend {
         if self.clips.is_empty() && (self.plan.traces(Layer::Caustic) || self.plan.traces(Layer::Diffuse)) {
             // with the area points of the first passes, whatever is rendered first
             self.refresh_area(0);
-            // mirrors have no area points
-            let area = self.area.as_ref().filter(|_| !self.plan.features.specular).map(|a| &a.map);
+            // mirrors have no area points; and --paths must not change what is found
+            let area = self.area.as_ref().filter(|_| !self.plan.has_specular_bodies()).map(|a| &a.map);
             self.clips = pixels::clips(&self.scene, &self.plan, PILOT_PASS, area);
         }
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);

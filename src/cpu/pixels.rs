@@ -134,12 +134,11 @@ pub(super) fn interiors(
 
 /// The walls about each pixel's gather point, within the largest radius.
 pub(super) fn clips(scene: &PackedScene, plan: &Plan, pass: u32, area: Option<&AreaMap>) -> Vec<Clip> {
-    let schedule = if plan.traces(Layer::Diffuse) { &plan.diffuse } else { &plan.caustic };
     (0..scene.pixels() as u32)
         .into_par_iter()
         .map(|pixel| {
             let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point;
-            g.map_or(Clip::default(), |g| clip::find(scene, area, &g, schedule.base as f32))
+            g.map_or(Clip::default(), |g| clip::find(scene, area, &g, plan.diffuse.base as f32))
         })
         .collect()
 }

@@ -142,7 +142,8 @@ impl GpuBackend {
             self.renew_area_points(0)?;
         }
         let pass = self.pass_info(PILOT_PASS);
-        let info = self.map_info(kind, 0, PILOT_PASS);
+        let mut info = self.map_info(kind, 0, PILOT_PASS);
+        info.radius = self.plan.diffuse.radius(0) as f32;
         let Some(Steps { eye, boundary, clip: Some(clip), .. }) = &self.steps else { return Ok(()) };
         let pixels = self.scene.pixels() as u32;
         if boundary.is_none() {

@@ -80,7 +80,7 @@ impl Kernels {
             boundary: [
                 optional(diffuse, &|| compile("boundary.wgsl"))?,
                 optional(diffuse, &|| {
-                    let overrides = [("PILOT", 1.0), ("MIRRORS", flag(f.specular))];
+                    let overrides = [("PILOT", 1.0), ("SPECULAR_BODIES", flag(plan.has_specular_bodies()))];
                     Kernel::new(context, "boundary.wgsl", "main", &overrides)
                 })?,
             ],

@@ -44,7 +44,7 @@ pub struct Plan {
     pub diffuse_jotons: u32,
     /// Radius of the caustic map: the largest that a gather point may use in the first pass.
     pub caustic: Schedule,
-    /// Radius of the diffuse map.
+    /// Radius of the diffuse map; whether it is traced or not, since walls are looked for within it.
     pub diffuse: Schedule,
     /// What is not done, and why.
     pub skipped: Vec<Skip>,
@@ -157,10 +157,11 @@ impl Plan {
         let jotons = |layer: Layer, n: u32, [least, most]: [u32; 2]| {
             if layers[layer as usize] { n.clamp(least, most) } else { 0 }
         };
-        let diffuse_jotons = jotons(Layer::Diffuse, pixels / 4 * 3, DIFFUSE_JOTONS);
+        let diffuse_wanted = (pixels / 4 * 3).clamp(DIFFUSE_JOTONS[0], DIFFUSE_JOTONS[1]);
+        let diffuse_jotons = jotons(Layer::Diffuse, diffuse_wanted, DIFFUSE_JOTONS);
         let caustic_share = if pilot.aimed { pixels / 2 } else { pixels };
         let caustic_jotons = jotons(Layer::Caustic, caustic_share, CAUSTIC_JOTONS);
-        let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_jotons.max(1))).sqrt();
+        let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_wanted)).sqrt();
         let footprint = f64::from(pilot.footprint_median);
         let image_width = footprint * f64::from(scene.size[0]);
         let diffuse = (DIFFUSE_RADIUS * scene.diffuse_area.sqrt() * per_joton)
@@ -189,6 +190,11 @@ impl Plan {
             }
         }
         blur
+    }
+
+    /// True where something mirrors or refracts.
+    pub fn has_specular_bodies(&self) -> bool {
+        self.features.specular || self.features.dielectric
     }
 
     /// True where a layer is traced.

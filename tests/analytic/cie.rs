@@ -125,7 +125,7 @@ impl PatchAndWall {
 /// 5.6: a wall beside an evenly lit, diffuse patch gets what Lambert's formula says.
 #[test]
 fn diffuse_reflection_follows_its_configuration_factor() {
-    PatchAndWall { low: 0.3, high: 1.1, half: 0.5, panel: None }.claim("patch", 640, 0.012);
+    PatchAndWall { low: 0.3, high: 1.1, half: 0.5, panel: None }.claim("patch", 1024, 0.012);
 }
 
 /// 5.7: behind a panel, what the part of the patch sends that it sees.
