@@ -180,7 +180,11 @@ pub fn render(
                 cpu_seconds,
                 tally,
                 energy_error: imbalance.relative_error(),
-                error_estimate: if passes >= ERROR_PASSES { sums.error() } else { None },
+                error_estimate: if passes < ERROR_PASSES || is_estimated(passes) {
+                    error
+                } else {
+                    sums.error()
+                },
                 reason,
             });
         }

@@ -1,6 +1,7 @@
 //! Small scenes in code.
 
 use glam::DVec3;
+use joton::pack::PackedScene;
 use joton::scene::{Camera, Light, Material, Mesh, Scene, Triangle};
 
 /// A scene under construction.
@@ -159,4 +160,17 @@ pub fn mirror(reflectance: f32) -> Material {
 /// A matte emitter.
 pub fn emitter(radiance: f32, reflectance: f32) -> Material {
     Material { emission: [radiance; 3], ..Material::matte("emitter", [reflectance; 3]) }
+}
+
+/// Three glass spheres that overlap as seen from most lights, on a floor, under the lights of `build`.
+pub fn three_glass_spheres(build: impl Fn(&mut Builder)) -> PackedScene {
+    let mut b = Builder::new([0., 1., 5.], [0.; 3], [0., 1., 0.], 0.5, 16);
+    let floor = b.matte(0.5);
+    let g = b.material(glass(1.5));
+    b.quad([-2., -1., -2.], [0., 0., 4.], [4., 0., 0.], floor);
+    b.icosphere([0.3, 0., 0.], 0.4, 1, false, g);
+    b.icosphere([-0.5, -0.2, 0.4], 0.3, 1, false, g);
+    b.icosphere([0.2, -0.7, 0.1], 0.2, 1, false, g);
+    build(&mut b);
+    PackedScene::new(&b.scene)
 }

@@ -2,7 +2,7 @@
 //! emission carries all of it, by the emitter's own law. The reference integrates the emitter's law in f64 and knows
 //! nothing of aiming.
 
-use crate::common::scenes::{Builder, emitter, glass};
+use crate::common::scenes::{Builder, emitter, glass, three_glass_spheres};
 use crate::common::{Row, Snippet, dvec3, map_info, pass_info};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
@@ -122,19 +122,6 @@ fn start(e: &PackedEmitter, [a, b, c, d]: [f64; 4]) -> (DVec3, DVec3, f64) {
     }
 }
 
-/// Two glass spheres that overlap as seen from most lights, one of them farther, on a floor.
-fn scene(build: impl Fn(&mut Builder)) -> PackedScene {
-    let mut b = Builder::new([0., 1., 5.], [0.; 3], [0., 1., 0.], 0.5, 16);
-    let floor = b.matte(0.5);
-    let g = b.material(glass(1.5));
-    b.quad([-2., -1., -2.], [0., 0., 4.], [4., 0., 0.], floor);
-    b.icosphere([0.3, 0., 0.], 0.4, 1, false, g);
-    b.icosphere([-0.5, -0.2, 0.4], 0.3, 1, false, g);
-    b.icosphere([0.2, -0.7, 0.1], 0.2, 1, false, g);
-    build(&mut b);
-    PackedScene::new(&b.scene)
-}
-
 fn lamp(b: &mut Builder) {
     let m = b.material(emitter(2.0, 0.0));
     b.quad([-0.5, 1.5, -0.5], [1., 0., 0.], [0., 0., 1.], m);
@@ -186,7 +173,7 @@ const CASES: [Case; 5] = [
 fn aimed_emission_is_the_flux_through_the_cones() {
     let context = device_or_return!();
     for (name, build) in CASES {
-        let scene = scene(build);
+        let scene = three_glass_spheres(build);
         assert_eq!(scene.targets.len(), 3);
         let jotons = device_jotons(context, &scene, true);
         let wanted = law(&scene, true);
@@ -200,7 +187,7 @@ fn aimed_emission_is_the_flux_through_the_cones() {
 fn plain_emission_is_all_of_the_flux() {
     let context = device_or_return!();
     for (name, build) in CASES {
-        let scene = scene(build);
+        let scene = three_glass_spheres(build);
         let jotons = device_jotons(context, &scene, false);
         let sums = sums_of(&jotons);
         assert_alike(name, &sums, &law(&scene, false), &scene);
@@ -219,7 +206,7 @@ fn plain_emission_is_all_of_the_flux() {
 #[test]
 fn a_light_inside_a_target_emits_everywhere() {
     let context = device_or_return!();
-    let scene = scene(|b| b.point_light([0.3, 0.1, 0.0], 1.0));
+    let scene = three_glass_spheres(|b| b.point_light([0.3, 0.1, 0.0], 1.0));
     let sums = sums_of(&device_jotons(context, &scene, true));
     assert!((sums[0] / scene.total_flux[0] - 1.0).abs() < 1e-5);
     assert_alike("inside", &sums, &law(&scene, false), &scene);

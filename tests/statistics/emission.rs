@@ -4,7 +4,7 @@
 //! Jotons are taken at random from the whole of their Sobol sequences, so that they are independent.
 
 use crate::chi_square::{Cap, Claims, in_square, p_value, seed};
-use crate::common::scenes::{Builder, emitter, glass};
+use crate::common::scenes::{Builder, emitter, three_glass_spheres};
 use crate::common::{Row, dvec3, row3};
 use crate::device::Device;
 use glam::{DVec3, Vec3};
@@ -27,19 +27,6 @@ struct Start {
 
 /// Who emits.
 const SIDES: [&str; 2] = ["host", "device"];
-
-/// Three glass spheres that overlap as seen from the light, on a floor.
-fn lit_by(build: fn(&mut Builder)) -> PackedScene {
-    let mut b = Builder::new([0., 1., 5.], [0.; 3], [0., 1., 0.], 0.5, 16);
-    let floor = b.matte(0.5);
-    let g = b.material(glass(1.5));
-    b.quad([-2., -1., -2.], [0., 0., 4.], [4., 0., 0.], floor);
-    b.icosphere([0.3, 0., 0.], 0.4, 1, false, g);
-    b.icosphere([-0.5, -0.2, 0.4], 0.3, 1, false, g);
-    b.icosphere([0.2, -0.7, 0.1], 0.2, 1, false, g);
-    build(&mut b);
-    PackedScene::new(&b.scene)
-}
 
 /// Name of a light, and what puts it there.
 type Light = (&'static str, fn(&mut Builder));
@@ -224,7 +211,7 @@ fn wanted_flux(scene: &PackedScene, e: &PackedEmitter, s: &Start, caustic: bool)
 fn jotons_start_by_their_laws() {
     let mut claims = Claims::default();
     for (light, build) in LIGHTS {
-        let scene = lit_by(build);
+        let scene = three_glass_spheres(build);
         let [e] = &scene.emitters[..] else { panic!("{light}: one emitter") };
         for side in SIDES {
             for caustic in [false, true] {
@@ -328,7 +315,7 @@ fn together(e: &PackedEmitter, starts: &[Option<Start>]) -> f64 {
 /// Directions into overlapping cones, from places near and far.
 #[test]
 fn aimed_directions_follow_the_mixture_of_cones() {
-    let scene = lit_by(LIGHTS[1].1);
+    let scene = three_glass_spheres(LIGHTS[1].1);
     let size = f64::from((scene.bounds[1] - scene.bounds[0]).length());
     let middle = scene.targets[0].center.as_dvec3();
     let mut claims = Claims::default();
