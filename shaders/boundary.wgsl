@@ -6,6 +6,7 @@
 // import: shared/index.wgsl
 // import: shared/sampling.wgsl
 // import: shared/grid.wgsl
+// import: shared/lanes.wgsl
 // import: shared/clip.wgsl
 
 @group(0) @binding(0) var<uniform> pass_info: PassInfo;
@@ -47,70 +48,75 @@ fn edge_near(pixel: u32) -> bool {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
-        return;
-    }
-    let point = gather_points[pixel];
+    let lanes = lanes_here();
+    let pixel = tiled_pixel(linear_index(id, groups), pass_info.width, pass_info.height);
+    let is_pixel = pixel != NO_PIXEL;
+    let point = gather_points[select(0u, pixel, is_pixel)];
     let r = map_info.radius * select(1.0, PILOT_REACH, PILOT);
     let disc = PI * r * r;
     let direct_view = ((point.surface >> 24u) & 63u) == 0u;
     let normal = decode_direction(point.normal);
+    // lanes with nothing to solve go along and find nothing
+    var is_here = is_pixel && max(point.throughput.x, max(point.throughput.y, point.throughput.z)) > 0.0;
     var walls = no_walls(r);
-    if !PILOT {
+    if !PILOT && is_here {
         walls = walls_about(pixel, point.position, normal, r);
+        if direct_view && all(walls.planes[0].xyz == vec3(0.0)) && !edge_near(pixel) {
+            fits[pixel] = Fit(vec4(1.0 / disc, 0.0, 0.0, 0.0));
+            is_here = false;
+        }
     }
-    if direct_view && !PILOT && all(walls.planes[0].xyz == vec3(0.0)) && !edge_near(pixel) {
-        fits[pixel] = Fit(vec4(1.0 / disc, 0.0, 0.0, 0.0));
-        return;
-    }
-    if max(point.throughput.x, max(point.throughput.y, point.throughput.z)) <= 0.0 {
+    if lanes_min(select(1u, 0u, is_here)) != 0u {
         return;
     }
     let front = select(normal, -normal, (point.surface & BACK_SIDE) != 0u);
     let frame = basis(normal);
     let r2 = r * r;
-    let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.area_cells_per_unit);
-    let highest = cell_of(point.position + r, map_info.grid_origin, map_info.area_cells_per_unit);
-    let cell = 1.0 / map_info.area_cells_per_unit;
+    let grid = Grid(map_info.grid_origin, map_info.area_cells_per_unit, map_info.area_row_mask, map_info.area_columns);
     var m = vec3(0.0); // n, Σx, Σy
     var mm = vec3(0.0); // Σxx, Σxy, Σyy
     var others = false;
-    for (var z = lowest.z; z <= highest.z; z += 1) {
-        for (var y = lowest.y; y <= highest.y; y += 1) {
-            let reach = reach_in_row(point.position, r2, y, z, map_info.grid_origin, cell);
-            if reach < 0.0 {
-                continue;
-            }
-            let row = row_bucket(y, z, map_info.area_row_mask);
-            let x = point.position.x - map_info.grid_origin.x;
-            let left = column(i32(floor((x - reach) * map_info.area_cells_per_unit)), map_info.area_columns);
-            let last = column(i32(floor((x + reach) * map_info.area_cells_per_unit)), map_info.area_columns);
-            let end = area_starts[row + last + 1u];
-            var i = area_starts[row + left];
-            while i < end {
-                let a = area_points[i];
-                i += 1u;
-                let d = a.position - point.position;
-                let facing = dot(decode_normal24(a.normal), front);
-                let share = select(GATHER_SHEET_SHARE, GATHER_PLANE_SHARE, facing > 0.0);
-                if dot(d, d) >= r2 {
-                    continue;
-                }
-                if abs(facing) <= 127.0 * GATHER_NORMAL_COS {
-                    others = true;
-                } else if abs(dot(d, normal)) < share * r && is_before(walls.planes[0], a.position)
-                    && is_before(walls.planes[1], a.position) {
-                    let u = dot(d, frame[0]);
-                    let v = dot(d, frame[1]);
-                    m += vec3(1.0, u, v);
-                    mm += vec3(u * u, u * v, v * v);
-                }
-            }
-            if i < end {
-                atomicAdd(&status[STATUS_LOOP_CUT], 1u);
-            }
+    for (var step = 0u; step < ROW_STEPS; step += 1u) {
+        let buckets = row_run(grid, point.position, r, step);
+        var i = 0u;
+        var end = 0u;
+        if is_here && buckets.x < buckets.y {
+            i = area_starts[buckets.x];
+            end = area_starts[buckets.y];
         }
+        loop {
+            let first = lanes_min(select(NO_INDEX, i, i < end));
+            if first == NO_INDEX {
+                break;
+            }
+            let mine = area_points[first + lanes.index];
+            let place = vec4(mine.position, 0.0);
+            let normals = vec4(decode_normal24(mine.normal), 0.0);
+            for (var k = 0u; k < lanes.count; k += 1u) {
+                let a = from_lane(place, k).xyz;
+                let d = a - point.position;
+                let facing = dot(from_lane(normals, k).xyz, front);
+                if first + k >= i && first + k < end && dot(d, d) < r2 {
+                    let share = select(GATHER_SHEET_SHARE, GATHER_PLANE_SHARE, facing > 0.0);
+                    if abs(facing) <= 127.0 * GATHER_NORMAL_COS {
+                        others = true;
+                    } else if abs(dot(d, normal)) < share * r && is_before(walls.planes[0], a)
+                        && is_before(walls.planes[1], a) {
+                        let u = dot(d, frame[0]);
+                        let v = dot(d, frame[1]);
+                        m += vec3(1.0, u, v);
+                        mm += vec3(u * u, u * v, v * v);
+                    }
+                }
+            }
+            i = max(i, first + lanes.count);
+        }
+        if i < end {
+            atomicAdd(&status[STATUS_LOOP_CUT], 1u);
+        }
+    }
+    if !is_here {
+        return;
     }
     m = vec3(m.x, m.yz / r);
     mm /= r2;

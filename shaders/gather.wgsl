@@ -6,6 +6,7 @@
 // import: shared/features.wgsl
 // import: shared/index.wgsl
 // import: shared/grid.wgsl
+// import: shared/lanes.wgsl
 // import: shared/clip.wgsl
 // import: shared/bsdf.wgsl
 // import: shared/paths.wgsl
@@ -27,15 +28,15 @@ override CAUSTIC: bool = false;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let lanes = lanes_here();
+    let pixel = tiled_pixel(linear_index(id, groups), pass_info.width, pass_info.height);
+    if lanes_min(select(1u, 0u, pixel != NO_PIXEL)) != 0u {
         return;
     }
-    let point = gather_points[pixel];
-    if max_band(point.throughput) <= 0.0 {
-        return;
-    }
-    let fit = fits[pixel].c;
+    // lanes without a gather point go along and find nothing
+    let point = gather_points[min(pixel, pass_info.width * pass_info.height - 1u)];
+    let is_here = pixel != NO_PIXEL && max_band(point.throughput) > 0.0;
+    let fit = fits[min(pixel, pass_info.width * pass_info.height - 1u)].c;
     var r = map_info.radius;
     if CAUSTIC {
         r = min(r, fit.x * sqrt(map_info.shrink));
@@ -47,39 +48,47 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
     let frame = basis(normal);
-    let walls = walls_about(pixel, point.position, normal, r);
+    var walls = no_walls(r);
+    if is_here {
+        walls = walls_about(pixel, point.position, normal, r);
+    }
     let first_wall = walls.planes[0];
     let second_wall = walls.planes[1];
     let slope = (fit.y * frame[0] + fit.z * frame[1]) / r;
     let r2 = r * r;
     let plane = GATHER_PLANE_SHARE * r;
-    let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.cells_per_unit);
-    let highest = cell_of(point.position + r, map_info.grid_origin, map_info.cells_per_unit);
-    let cell = 1.0 / map_info.cells_per_unit;
+    let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
     var sum = Bands(0.0);
-    for (var z = lowest.z; z <= highest.z; z += 1) {
-        for (var y = lowest.y; y <= highest.y; y += 1) {
-            let reach = reach_in_row(point.position, r2, y, z, map_info.grid_origin, cell);
-            if reach < 0.0 {
-                continue;
+    for (var step = 0u; step < ROW_STEPS; step += 1u) {
+        let buckets = row_run(grid, point.position, r, step);
+        var i = 0u;
+        var end = 0u;
+        if is_here && buckets.x < buckets.y {
+            i = bucket_starts[buckets.x];
+            end = bucket_starts[buckets.y];
+        }
+        loop {
+            let first = lanes_min(select(NO_INDEX, i, i < end));
+            if first == NO_INDEX {
+                break;
             }
-            let row = row_bucket(y, z, map_info.row_mask);
-            let x = point.position.x - map_info.grid_origin.x;
-            let left = column(i32(floor((x - reach) * map_info.cells_per_unit)), map_info.columns);
-            let last = column(i32(floor((x + reach) * map_info.cells_per_unit)), map_info.columns);
-            let end = bucket_starts[row + last + 1u];
-            var i = bucket_starts[row + left];
-            while i < end {
-                let position = sorted_jotons[i].position;
-                let d = position - point.position;
-                let normal_state = sorted_jotons[i].normal_state;
-                if dot(d, d) < r2 && abs(dot(d, normal)) < plane
-                    && dot(decode_normal24(normal_state), normal) > 127.0 * GATHER_NORMAL_COS
-                    && is_before(first_wall, position) && is_before(second_wall, position)
-                    && (!HAS_PATH_FILTER || path_wanted(normal_state >> 24u, chain)) {
-                    var flux = sorted_jotons[i].flux;
+            let mine = first + lanes.index;
+            let normal_state = sorted_jotons[mine].normal_state;
+            let place = vec4(sorted_jotons[mine].position, bitcast<f32>(normal_state));
+            let facing = vec4(decode_normal24(normal_state), 0.0);
+            let flux4 = vec4(sorted_jotons[mine].flux, 0.0);
+            for (var k = 0u; k < lanes.count; k += 1u) {
+                let joton = from_lane(place, k);
+                let d = joton.xyz - point.position;
+                let is_mine = first + k >= i && first + k < end;
+                let n = from_lane(facing, k).xyz;
+                var flux = from_lane(flux4, k).xyz;
+                if is_mine && dot(d, d) < r2 && abs(dot(d, normal)) < plane
+                    && dot(n, normal) > 127.0 * GATHER_NORMAL_COS
+                    && is_before(first_wall, joton.xyz) && is_before(second_wall, joton.xyz)
+                    && (!HAS_PATH_FILTER || path_wanted(bitcast<u32>(joton.w) >> 24u, chain)) {
                     if is_glossy {
-                        let wi = decode_direction(sorted_jotons[i].wi);
+                        let wi = decode_direction(sorted_jotons[first + k].wi);
                         flux *= eval_brdf(materials[material], shading, wi, wo);
                     }
                     if CAUSTIC {
@@ -88,12 +97,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                         sum += flux * (fit.x + dot(d, slope));
                     }
                 }
-                i += 1u;
             }
-            if i < end {
-                atomicAdd(&status[STATUS_LOOP_CUT], 1u);
-            }
+            i = max(i, first + lanes.count);
         }
+        if i < end {
+            atomicAdd(&status[STATUS_LOOP_CUT], 1u);
+        }
+    }
+    if !is_here {
+        return;
     }
     if CAUSTIC {
         // what walls take of the disc carries no light of this side

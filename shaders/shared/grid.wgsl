@@ -23,3 +23,30 @@ fn reach_in_row(position: vec3<f32>, radius_squared: f32, y: i32, z: i32, origin
     let left = radius_squared - dot(off, off);
     return select(-1.0, sqrt(max(left, 0.0)), left >= 0.0);
 }
+
+struct Grid {
+    origin: vec3<f32>,
+    cells_per_unit: f32,
+    row_mask: u32,
+    columns: u32,
+}
+
+// Rows that a sphere no wider than two cells may touch: four each way.
+const ROW_STEPS: u32 = 16u;
+
+// Buckets [x, y) that a sphere of radius r about p reaches in one of its rows; empty where it reaches none. Step s is the
+// row whose y and z are s % 4 and s / 4 modulo 4: spheres near each other come to a row in the same step.
+fn row_run(grid: Grid, p: vec3<f32>, r: f32, step: u32) -> vec2<u32> {
+    let lowest = cell_of(p - r, grid.origin, grid.cells_per_unit).yz;
+    let highest = cell_of(p + r, grid.origin, grid.cells_per_unit).yz;
+    let at = lowest + ((vec2<i32>(vec2(step & 3u, step >> 2u)) - lowest) & vec2(3));
+    let reach = reach_in_row(p, r * r, at.x, at.y, grid.origin, 1.0 / grid.cells_per_unit);
+    if any(at > highest) || reach < 0.0 {
+        return vec2(0u);
+    }
+    let row = row_bucket(at.x, at.y, grid.row_mask);
+    let x = p.x - grid.origin.x;
+    let left = column(i32(floor((x - reach) * grid.cells_per_unit)), grid.columns);
+    let last = column(i32(floor((x + reach) * grid.cells_per_unit)), grid.columns);
+    return vec2(row + left, row + last + 1u);
+}

@@ -5,3 +5,17 @@ const WORKGROUP: u32 = 64u;
 fn linear_index(id: vec3<u32>, groups: vec3<u32>) -> u32 {
     return id.y * groups.x * WORKGROUP + id.x;
 }
+
+const NO_PIXEL: u32 = 0xffffffffu;
+const TILE: u32 = 8u;
+
+// The pixel of an invocation where a workgroup is a tile of 8 × 8 pixels, in Morton's order: invocations that run in step
+// look at neighbours. NO_PIXEL beyond the image.
+fn tiled_pixel(index: u32, width: u32, height: u32) -> u32 {
+    let tiles = (width + TILE - 1u) / TILE;
+    let tile = index / WORKGROUP;
+    let i = index % WORKGROUP;
+    let x = tile % tiles * TILE + (i & 1u | (i >> 1u) & 2u | (i >> 2u) & 4u);
+    let y = tile / tiles * TILE + ((i >> 1u) & 1u | (i >> 2u) & 2u | (i >> 3u) & 4u);
+    return select(NO_PIXEL, y * width + x, x < width && y < height);
+}

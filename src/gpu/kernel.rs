@@ -50,7 +50,7 @@ impl Kernel {
     /// # Errors
     /// [`Error::Device`] where the shader does not compile.
     pub fn new(context: &Context, path: &str, entry: &str, overrides: &[(&str, f64)]) -> Result<Self> {
-        Self::from_source(context, path, &shaders::link(path)?, entry, overrides)
+        Self::from_source(context, path, &shaders::link(path, context.has_subgroups())?, entry, overrides)
     }
 
     /// Like [`Kernel::new`] for a linked text.

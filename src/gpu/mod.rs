@@ -49,6 +49,11 @@ const DISPATCHES_MAX: u32 = 1 << 16;
 /// Films of the layers, in the order of [`Layer::ALL`].
 const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
 
+/// Invocations of a kernel whose workgroups are tiles of 8 × 8 pixels.
+fn tiled([width, height]: [u32; 2]) -> u32 {
+    width.div_ceil(8) * height.div_ceil(8) * 64
+}
+
 /// The GPU backend.
 pub struct GpuBackend {
     context: Context,
@@ -244,9 +249,9 @@ impl GpuBackend {
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
             if let (Kind::Diffuse, Some([boundary, _])) = (map.kind, &steps.boundary) {
-                recorder.dispatch(boundary, &at, pixels);
+                recorder.dispatch(boundary, &at, tiled(self.scene.size));
             }
-            recorder.dispatch(gather, &at, pixels);
+            recorder.dispatch(gather, &at, tiled(self.scene.size));
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
         if let Some(timer) = &mut self.timer {

@@ -42,17 +42,23 @@ sources![
     "shared/clip.wgsl",
     "shared/grid.wgsl",
     "shared/index.wgsl",
+    "shared/lanes.wgsl",
+    "shared/lanes_alone.wgsl",
     "shared/scene.wgsl",
     "shared/features.wgsl",
 ];
 
-/// A kernel file with everything it imports and the shared structs.
+/// Where lanes share loads, and its twin for devices without subgroups.
+const LANES: [&str; 2] = ["shared/lanes.wgsl", "shared/lanes_alone.wgsl"];
+
+/// A kernel file with everything it imports and the shared structs; with subgroup operations where `subgroups`.
 ///
 /// # Errors
 /// [`Error::Device`] where an import names no file.
-pub fn link(path: &str) -> Result<String> {
+pub fn link(path: &str, subgroups: bool) -> Result<String> {
     let text = find(path)?;
-    link_source(text)
+    let linked = link_source(text)?;
+    if subgroups { Ok(linked) } else { Ok(linked.replace(find(LANES[0])?, find(LANES[1])?)) }
 }
 
 /// Like [`link`], for a text that is no file (tests of shared functions).
