@@ -76,8 +76,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var m = vec3(0.0); // n, Σx, Σy
     var mm = vec3(0.0); // Σxx, Σxy, Σyy
     var others = false;
-    for (var step = 0u; step < ROW_STEPS; step += 1u) {
-        let buckets = row_run(grid, point.position, r, step);
+    var rows = lanes_or(select(0u, rows_touched(grid, point.position, r), is_here));
+    while rows != 0u {
+        let buckets = row_run(grid, point.position, r, countTrailingZeros(rows));
+        rows &= rows - 1u;
         var i = 0u;
         var end = 0u;
         if is_here && buckets.x < buckets.y {

@@ -31,15 +31,23 @@ struct Grid {
     columns: u32,
 }
 
-// Rows that a sphere no wider than two cells may touch: four each way.
-const ROW_STEPS: u32 = 16u;
-
-// Buckets [x, y) that a sphere of radius r about p reaches in one of its rows; empty where it reaches none. Step s is the
-// row whose y and z are s % 4 and s / 4 modulo 4: spheres near each other come to a row in the same step.
-fn row_run(grid: Grid, p: vec3<f32>, r: f32, step: u32) -> vec2<u32> {
+// Rows of cells that a sphere no wider than two cells touches are at most four each way. Bit 4 z + y stands for the row
+// whose y and z leave these remainders by four: spheres near each other share rows, and the bits of these.
+fn rows_touched(grid: Grid, p: vec3<f32>, r: f32) -> u32 {
     let lowest = cell_of(p - r, grid.origin, grid.cells_per_unit).yz;
     let highest = cell_of(p + r, grid.origin, grid.cells_per_unit).yz;
-    let at = lowest + ((vec2<i32>(vec2(step & 3u, step >> 2u)) - lowest) & vec2(3));
+    // as many ones as rows, turned to where they belong
+    let ones = (vec2(1u) << vec2<u32>(min(highest - lowest, vec2(3)) + 1)) - 1u;
+    let turn = vec2<u32>(lowest) & vec2(3u);
+    let bits = ((ones << turn) | ((ones << turn) >> vec2(4u))) & vec2(15u);
+    return bits.x * ((bits.y & 1u) | (bits.y & 2u) << 3u | (bits.y & 4u) << 6u | (bits.y & 8u) << 9u);
+}
+
+// Buckets [x, y) that a sphere of radius r about p reaches in the row of a bit; empty where it does not reach it.
+fn row_run(grid: Grid, p: vec3<f32>, r: f32, bit: u32) -> vec2<u32> {
+    let lowest = cell_of(p - r, grid.origin, grid.cells_per_unit).yz;
+    let highest = cell_of(p + r, grid.origin, grid.cells_per_unit).yz;
+    let at = lowest + ((vec2<i32>(vec2(bit & 3u, bit >> 2u)) - lowest) & vec2(3));
     let reach = reach_in_row(p, r * r, at.x, at.y, grid.origin, 1.0 / grid.cells_per_unit);
     if any(at > highest) || reach < 0.0 {
         return vec2(0u);

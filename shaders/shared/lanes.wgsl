@@ -18,6 +18,10 @@ fn lanes_min(x: u32) -> u32 {
     return subgroupMin(x);
 }
 
+fn lanes_or(x: u32) -> u32 {
+    return subgroupOr(x);
+}
+
 fn from_lane(v: vec4<f32>, lane: u32) -> vec4<f32> {
     return subgroupShuffle(v, lane);
 }

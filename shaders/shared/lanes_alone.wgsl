@@ -15,6 +15,10 @@ fn lanes_min(x: u32) -> u32 {
     return x;
 }
 
+fn lanes_or(x: u32) -> u32 {
+    return x;
+}
+
 fn from_lane(v: vec4<f32>, lane: u32) -> vec4<f32> {
     return v;
 }

@@ -30,16 +30,15 @@ use crate::bands::{BLACK, Bands};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
 use crate::pack::{PackedScene, scatter_area_points};
-use crate::plan::{Plan, shrink};
+use crate::plan::{Plan, area_group, shrink};
 use crate::rng::sequence_seed;
 use boundary::Interior;
 use clip::Clip;
 use maps::{AreaMap, JotonMap};
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::Arc;
 
-/// Passes that share one scatter of area points: its error must average out, its cost must not show.
-const PASSES_PER_SCATTER: u64 = 16;
 /// Area points wanted in a disc of the diffuse radius; 150 are the least that pay.
 const AREA_POINTS_PER_DISC: f64 = 250.0;
 /// Most area points.
@@ -58,15 +57,27 @@ pub struct CpuBackend {
     /// Walls about each pixel's gather point; empty until they are needed.
     clips: Vec<Clip>,
     area: Option<Area>,
+    survey: Option<Survey>,
 }
 
 /// What is known of the diffuse surfaces' area, for a group of passes.
 struct Area {
-    /// The group's number.
-    group: u64,
+    /// The passes that it is for.
+    group: Range<u64>,
     map: AreaMap,
-    /// For each pixel; empty in the first pass of a group, which may be the only one that is rendered.
+}
+
+/// Where discs were found to be whole.
+struct Survey {
+    /// The first pass that it is for.
+    pass: u64,
+    /// For each pixel.
     interiors: Vec<Interior>,
+}
+
+/// The pass whose survey `pass` uses: 2, 8, 32, … The first two passes know nothing; they may be all that is rendered.
+fn survey_pass(pass: u64) -> Option<u64> {
+    (pass >= 2).then(|| 2 << ((pass / 2).ilog2() / 2 * 2))
 }
 
 /// Everything that the pixels of one pass read.
@@ -93,37 +104,54 @@ struct Pass<'a> {
 impl CpuBackend {
     /// A backend for a scene and its plan, on the threads of rayon's current pool.
     pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
-        Self { scene, plan, caustic_base: Vec::new(), glints: Vec::new(), clips: Vec::new(), area: None }
+        Self {
+            scene,
+            plan,
+            caustic_base: Vec::new(),
+            glints: Vec::new(),
+            clips: Vec::new(),
+            area: None,
+            survey: None,
+        }
     }
 
-    /// Scatter new area points where `pass` belongs to another group than the last; survey them once they are used
-    /// a second time. What is done depends on the pass alone, not on those rendered before.
+    /// Area points for the group of passes that `pass` belongs to. They depend on the group alone, not on what was
+    /// rendered before.
     fn refresh_area(&mut self, pass: u64) {
-        if !self.plan.traces(Layer::Diffuse) {
+        let group = area_group(pass);
+        if !self.plan.traces(Layer::Diffuse) || self.area.as_ref().is_some_and(|a| a.group == group) {
             return;
         }
-        let group = pass / PASSES_PER_SCATTER;
-        let first = group * PASSES_PER_SCATTER;
         let (scene, plan) = (&self.scene, &self.plan);
-        if self.area.as_ref().is_none_or(|a| a.group != group) {
-            // dense enough for the smallest radius of the group
-            let radius = plan.diffuse.radius(first + PASSES_PER_SCATTER - 1);
-            let count = AREA_POINTS_PER_DISC * scene.diffuse_area / (PI * radius * radius);
-            let seed = sequence_seed(plan.settings.seed, group as u32, streams::STREAM_AREA);
-            let (points, area_each) =
-                scatter_area_points(scene, count.min(AREA_POINTS_MAX).ceil() as usize, seed);
-            self.area = Some(Area { group, map: AreaMap::new(&points, area_each), interiors: Vec::new() });
+        // dense enough for the smallest radius of the group
+        let radius = plan.diffuse.radius(group.end - 1);
+        let count = AREA_POINTS_PER_DISC * scene.diffuse_area / (PI * radius * radius);
+        let seed = sequence_seed(plan.settings.seed, group.start as u32, streams::STREAM_AREA);
+        let (points, area_each) =
+            scatter_area_points(scene, count.min(AREA_POINTS_MAX).ceil() as usize, seed);
+        self.area = Some(Area { group, map: AreaMap::new(&points, area_each) });
+    }
+
+    /// Survey where discs are whole, for `pass` and those after it, where that pays: it costs as much as the fits of a
+    /// pass. Radii only shrink: what is whole stays whole.
+    fn refresh_survey(&mut self, pass: u64) {
+        let wanted = survey_pass(pass);
+        if !self.plan.traces(Layer::Diffuse) || self.survey.as_ref().map(|s| s.pass) == wanted {
+            return;
         }
-        if let Some(area) = &mut self.area
-            && pass != first
-            && area.interiors.is_empty()
-        {
-            let radius = plan.diffuse.radius(first) as f32;
-            area.interiors = pixels::interiors(scene, plan, first as u32, &area.map, radius);
+        self.survey = None;
+        if let Some(first) = wanted {
+            self.refresh_area(first);
+            let radius = self.plan.diffuse.radius(first) as f32;
+            self.survey = self.area.as_ref().map(|area| Survey {
+                pass: first,
+                interiors: pixels::interiors(&self.scene, &self.plan, first as u32, &area.map, radius),
+            });
         }
     }
 
     fn pass(&mut self, pass: u64, layers: &mut [Vec<Bands>; LAYERS], tally: &mut Tally) {
+        self.refresh_survey(pass);
         self.refresh_area(pass);
         let (scene, plan) = (&*self.scene, &self.plan);
         let index = pass as u32;
@@ -135,22 +163,19 @@ impl CpuBackend {
         };
         let (caustic, diffuse) = (map(Layer::Caustic), map(Layer::Diffuse));
         let diffuse_radius = plan.diffuse.radius(pass) as f32;
-        // pass by pass the same, whatever was rendered before: the first pass of a group knows nothing
-        let area = self.area.as_ref();
-        let known = !pass.is_multiple_of(PASSES_PER_SCATTER);
         let pass = Pass {
             scene,
             plan,
             index,
             caustic,
             diffuse,
-            area: area.map(|a| &a.map),
+            area: self.area.as_ref().map(|a| &a.map),
             caustic_base: &self.caustic_base,
             glints: &self.glints,
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
             diffuse_radius,
             clips: &self.clips,
-            interiors: area.filter(|_| known).map_or(&[][..], |a| &a.interiors[..]),
+            interiors: self.survey.as_ref().map_or(&[][..], |s| &s.interiors[..]),
         };
         *tally += pixels::render(&pass, layers);
     }

@@ -23,12 +23,13 @@ use crate::error::{Error, Result};
 use crate::film::LAYERS;
 use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
-use crate::plan::Plan;
+use crate::plan::{Plan, area_group};
 use crate::rng::sequence_seed;
 use map::{Kind, Shape};
 use pipelines::{Kernels, Steps};
 use recorder::{Recorder, Timer};
 use ring::Ring;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
@@ -37,8 +38,6 @@ const JOTONS_PER_LANE_SOFTWARE: u32 = 32;
 const JOTONS_PER_LANE: u32 = 4;
 /// Room for lanes that store more than the pilot's fullest one.
 const CAPACITY_SLACK: f64 = 1.5;
-/// The area points are scattered anew after this many passes, so that their own error averages out.
-const AREA_PASSES: u64 = 16;
 /// Passes of a batch on a GPU, at most: they are summed in f32.
 const BATCH_PASSES: u64 = 16;
 /// Times that a batch is rendered with more room or smaller loops before the device is taken for broken.
@@ -78,8 +77,8 @@ struct Shapes {
 
 /// The area points that are on the device.
 struct AreaState {
-    /// Number of the group of passes that they are for.
-    group: u64,
+    /// The passes that they are for.
+    group: Range<u64>,
     each: f32,
     cells_per_unit: f32,
     row_mask: u32,
@@ -196,13 +195,13 @@ impl GpuBackend {
     /// Put on the device the area points of the group of passes that `pass` belongs to. They depend on the group and the
     /// seed, not on what was rendered before: passes stay independent.
     fn renew_area_points(&mut self, pass: u64) -> Result<()> {
-        let group = pass / AREA_PASSES;
+        let group = area_group(pass);
         if self.area.as_ref().is_some_and(|a| a.group == group) {
             return Ok(());
         }
         let radius = |pass| self.plan.diffuse.radius(pass);
-        let radii = [radius(group * AREA_PASSES), radius((group + 1) * AREA_PASSES - 1)];
-        let seed = sequence_seed(self.plan.settings.seed, group as u32, area::STREAM_AREA);
+        let radii = [radius(group.start), radius(group.end - 1)];
+        let seed = sequence_seed(self.plan.settings.seed, group.start as u32, area::STREAM_AREA);
         let grid = area::build(&self.scene, radii, seed);
         let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
         if self.buffers["area_points"].size() < bytes.len() as u64 {

@@ -4,7 +4,7 @@ mod pilot;
 mod radius;
 
 pub use pilot::Pilot;
-pub use radius::{Schedule, shrink};
+pub use radius::{Schedule, area_group, shrink};
 
 use crate::film::{LAYERS, Layer};
 use crate::pack::PackedScene;
