@@ -262,6 +262,15 @@ pub mod status {
     }
 }
 
+/// Most of each that a scene in uniform buffers has: 64 KiB, WebGPU's least limit. Nodes are counted in words of 16 bytes.
+pub const SMALL_NODE_WORDS: u32 = 4096;
+/// See [`SMALL_NODE_WORDS`].
+pub const SMALL_TRIANGLES: u32 = 1365;
+/// See [`SMALL_NODE_WORDS`].
+pub const SMALL_MATERIALS: u32 = 819;
+/// See [`SMALL_NODE_WORDS`].
+pub const SMALL_EMITTERS: u32 = 819;
+
 /// A joton is taken only where its normal and the gather point's agree this well …
 pub const GATHER_NORMAL_COS: f32 = 0.7;
 /// … and where it lies this near the tangent plane, in radii.
@@ -330,6 +339,10 @@ pub fn constants() -> String {
     u("TRAVERSAL_STACK", TRAVERSAL_STACK);
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);
     u("ROW_FACTOR_Z", ROW_FACTORS[1]);
+    u("SMALL_NODE_WORDS", SMALL_NODE_WORDS);
+    u("SMALL_TRIANGLES", SMALL_TRIANGLES);
+    u("SMALL_MATERIALS", SMALL_MATERIALS);
+    u("SMALL_EMITTERS", SMALL_EMITTERS);
     u("PATH_START", crate::paths::LightPaths::START);
     u("PATH_DEAD", crate::paths::DEAD);
     let mut f = |name: &str, value: f32| {

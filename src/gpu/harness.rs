@@ -20,6 +20,8 @@ pub use scene_buffers::encode as encode_direction;
 pub enum Work {
     /// At least this many invocations, in workgroups of 64, folded as in a render.
     Invocations(u32),
+    /// The tiles of an image, one in each workgroup.
+    Tiles([u32; 2]),
     /// Exactly these workgroups.
     Groups([u32; 2]),
 }
@@ -85,6 +87,7 @@ impl<'a> Harness<'a> {
             per_pass.iter().map(|(name, bytes)| (*name, recorder.ring.push_bytes(bytes))).collect();
         match work {
             Work::Invocations(n) => recorder.dispatch(&step, &at, n),
+            Work::Tiles(size) => recorder.dispatch_tiles(&step, &at, size),
             Work::Groups(groups) => recorder.dispatch_groups(&step, &at, groups),
         }
         recorder.submit(self.context, &self.buffers["ring"]);

@@ -2,7 +2,7 @@
 //! to a kernel.
 
 use super::context::Context;
-use super::shaders;
+use super::shaders::{self, Variant};
 use crate::error::{Error, Result};
 use std::collections::HashMap;
 
@@ -39,18 +39,24 @@ pub struct Step {
     dynamic: Vec<Vec<String>>,
 }
 
+/// Says among the overrides that the scene lies in uniform buffers; it chooses the text, not a value in it.
+pub(super) const SMALL_SCENE: &str = "SMALL_SCENE";
+
 /// Workgroup size of every kernel.
 const WORKGROUP: u32 = 64;
 /// Workgroups in one dimension of a dispatch.
 const GROUPS_MAX: u32 = 65_535;
 
 impl Kernel {
-    /// Compile `entry` of a shader file with values for its overrides (those it does not declare are left out).
+    /// Compile `entry` of a shader file with values for its overrides (those it does not declare are left out). The scene
+    /// is read from uniform buffers where one of them is [`SMALL_SCENE`], not 0.
     ///
     /// # Errors
     /// [`Error::Device`] where the shader does not compile.
     pub fn new(context: &Context, path: &str, entry: &str, overrides: &[(&str, f64)]) -> Result<Self> {
-        Self::from_source(context, path, &shaders::link(path, context.has_subgroups())?, entry, overrides)
+        let small_scene = overrides.iter().any(|(name, value)| *name == SMALL_SCENE && *value != 0.0);
+        let variant = Variant { subgroups: context.has_subgroups(), small_scene };
+        Self::from_source(context, path, &shaders::link(path, variant)?, entry, overrides)
     }
 
     /// Like [`Kernel::new`] for a linked text.

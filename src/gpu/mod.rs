@@ -15,7 +15,7 @@ mod shaders;
 
 pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
-pub use shaders::{SOURCES, link, link_source};
+pub use shaders::{SOURCES, Variant, link, link_source};
 
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BANDS, Bands};
@@ -47,11 +47,6 @@ const DISPATCHES_MAX: u32 = 1 << 16;
 
 /// Films of the layers, in the order of [`Layer::ALL`].
 const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
-
-/// Invocations of a kernel whose workgroups are tiles of 8 × 8 pixels.
-fn tiled([width, height]: [u32; 2]) -> u32 {
-    width.div_ceil(8) * height.div_ceil(8) * 64
-}
 
 /// The GPU backend.
 pub struct GpuBackend {
@@ -98,7 +93,7 @@ impl GpuBackend {
             );
             return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
         }
-        let kernels = Kernels::new(&context, &plan)?;
+        let kernels = Kernels::new(&context, &scene, &plan)?;
         let buffers = scene_buffers::upload(&context, &scene, &plan)?;
         let lanes = |emitted: u32| {
             let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
@@ -248,9 +243,9 @@ impl GpuBackend {
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
             if let (Kind::Diffuse, Some([boundary, _])) = (map.kind, &steps.boundary) {
-                recorder.dispatch(boundary, &at, tiled(self.scene.size));
+                recorder.dispatch_tiles(boundary, &at, self.scene.size);
             }
-            recorder.dispatch(gather, &at, tiled(self.scene.size));
+            recorder.dispatch_tiles(gather, &at, self.scene.size);
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
         if let Some(timer) = &mut self.timer {

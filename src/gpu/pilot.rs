@@ -3,7 +3,7 @@
 use super::map::Kind;
 use super::pipelines::Steps;
 use super::recorder::Recorder;
-use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend, check_traversal, tiled};
+use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
 use crate::layout::{EDGE_OTHERS, MapInfo, PassInfo, status};
 
@@ -155,7 +155,7 @@ impl GpuBackend {
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
         recorder.dispatch(eye, &at, pixels);
         if let Some([_, pilot]) = boundary {
-            recorder.dispatch(pilot, &at, tiled(self.scene.size));
+            recorder.dispatch_tiles(pilot, &at, self.scene.size);
         }
         recorder.dispatch(clip, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);

@@ -2,11 +2,13 @@
 
 use super::Shapes;
 use super::context::Context;
-use super::kernel::{Buffers, Kernel, Step};
+use super::kernel::{Buffers, Kernel, SMALL_SCENE, Step};
 use super::map::{Kind, Map, MapKernels};
+use super::scene_buffers;
 use crate::error::Result;
 use crate::film::Layer;
 use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
+use crate::pack::PackedScene;
 use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
 
 /// The compiled kernels.
@@ -28,10 +30,11 @@ impl Kernels {
     ///
     /// # Errors
     /// [`crate::Error::Device`] where a kernel does not compile.
-    pub(super) fn new(context: &Context, plan: &Plan) -> Result<Self> {
+    pub(super) fn new(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
         let f = &plan.features;
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
         let features = [
+            (SMALL_SCENE, flag(scene_buffers::is_small(context, scene))),
             ("HAS_SMOOTH", flag(f.smooth_normals)),
             ("HAS_SPECULAR", flag(f.specular)),
             ("HAS_DIELECTRIC", flag(f.dielectric)),

@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 /// Timestamps of one submission, at most: WebGPU's limit of a query set.
 const QUERIES: u32 = 4096;
 
+/// Pixels across and down a workgroup's tile, as in shaders/shared/index.wgsl.
+const TILE: u32 = 8;
+
 /// Seconds and dispatches of each kernel.
 pub(super) type KernelSeconds = BTreeMap<String, (f64, u64)>;
 
@@ -92,6 +95,11 @@ impl<'a> Recorder<'a> {
             let [x, y] = step.groups_for(invocations);
             self.dispatch_groups(step, offsets, [x, y]);
         }
+    }
+
+    /// A kernel whose workgroups are tiles of an image of this size.
+    pub(super) fn dispatch_tiles(&mut self, step: &Step, offsets: Offsets<'_>, [width, height]: [u32; 2]) {
+        self.dispatch(step, offsets, width.div_ceil(TILE) * height.div_ceil(TILE) * TILE * TILE);
     }
 
     /// `x` × `y` workgroups of a kernel.

@@ -5,12 +5,18 @@ use super::kernel::Buffers;
 use super::map;
 use super::ring::RING_BYTES;
 use crate::error::Result;
-use crate::layout::{AreaPoint, PathFilter};
+use crate::layout::{
+    AreaPoint, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS, SMALL_NODE_WORDS, SMALL_TRIANGLES,
+};
 use crate::pack::{PackedScene, Target};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
 use glam::{Vec2, Vec3};
 
+/// Bytes of each uniform buffer of a small scene: WebGPU's least limit.
+const SMALL_BYTES: u64 = 1 << 16;
+/// Words of 16 bytes in a node.
+const NODE_WORDS: usize = 5;
 /// Targets that the uniform holds.
 const TARGETS: usize = 16;
 
@@ -36,8 +42,16 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         ("emitters", bytemuck::cast_slice(&scene.emitters)),
     ];
     map::check_capacity(context, &contents.map(|(name, bytes)| (name, bytes.len() as u64)))?;
+    let small = is_small(context, scene);
     for (name, bytes) in contents {
-        let buffer = storage(context, name, bytes.len() as u64);
+        let buffer = if small && name != "shading_normals" {
+            // as long as the kernels say, whatever is in it
+            let usage =
+                wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            buffer(context, name, SMALL_BYTES, usage)
+        } else {
+            storage(context, name, bytes.len() as u64)
+        };
         context.queue.write_buffer(&buffer, 0, bytes);
         buffers.insert(name, buffer);
     }
@@ -54,24 +68,30 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     Ok(buffers)
 }
 
+/// True for a scene that fits into uniform buffers.
+pub(super) fn is_small(context: &Context, scene: &PackedScene) -> bool {
+    let fits = |count: usize, most: u32| count <= most as usize;
+    u64::from(context.limits.max_uniform_buffer_binding_size) >= SMALL_BYTES
+        && fits(scene.bvh.nodes().len() * NODE_WORDS, SMALL_NODE_WORDS)
+        && fits(scene.triangles.len(), SMALL_TRIANGLES)
+        && fits(scene.materials.len(), SMALL_MATERIALS)
+        && fits(scene.emitters.len(), SMALL_EMITTERS)
+}
+
 /// A storage buffer that can be written, cleared and read back.
 pub(super) fn storage(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
-    context.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(name),
-        size: size.next_multiple_of(16).max(16),
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    })
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+    buffer(context, name, size.next_multiple_of(16).max(16), usage)
 }
 
 /// A uniform buffer.
 pub(super) fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
-    context.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(name),
-        size,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
+    buffer(context, name, size, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
+}
+
+fn buffer(context: &Context, name: &'static str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
+    context.device.create_buffer(&descriptor)
 }
 
 /// A unit vector in 32 bits, as shaders/shared/sampling.wgsl encodes it.

@@ -45,20 +45,34 @@ sources![
     "shared/lanes.wgsl",
     "shared/lanes_alone.wgsl",
     "shared/scene.wgsl",
+    "shared/scene_small.wgsl",
     "shared/features.wgsl",
 ];
 
-/// Where lanes share loads, and its twin for devices without subgroups.
-const LANES: [&str; 2] = ["shared/lanes.wgsl", "shared/lanes_alone.wgsl"];
+/// Which of two files a kernel is linked with.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Variant {
+    /// Lanes share loads by subgroup operations.
+    pub subgroups: bool,
+    /// The scene lies in uniform buffers.
+    pub small_scene: bool,
+}
 
-/// A kernel file with everything it imports and the shared structs; with subgroup operations where `subgroups`.
+/// A kernel file with everything it imports and the shared structs.
 ///
 /// # Errors
 /// [`Error::Device`] where an import names no file.
-pub fn link(path: &str, subgroups: bool) -> Result<String> {
-    let text = find(path)?;
-    let linked = link_source(text)?;
-    if subgroups { Ok(linked) } else { Ok(linked.replace(find(LANES[0])?, find(LANES[1])?)) }
+pub fn link(path: &str, variant: Variant) -> Result<String> {
+    let mut linked = link_source(find(path)?)?;
+    for (wanted, file, other) in [
+        (!variant.subgroups, "shared/lanes.wgsl", "shared/lanes_alone.wgsl"),
+        (variant.small_scene, "shared/scene.wgsl", "shared/scene_small.wgsl"),
+    ] {
+        if wanted {
+            linked = linked.replace(find(file)?, find(other)?);
+        }
+    }
+    Ok(linked)
 }
 
 /// Like [`link`], for a text that is no file (tests of shared functions).

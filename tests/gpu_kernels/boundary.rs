@@ -94,9 +94,7 @@ impl<'a> Stage<'a> {
         (pass.width, pass.height) = (self.points.len() as u32, 1);
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
-        harness
-            .run(&k, &[], &at, Work::Invocations(self.points.len() as u32))
-            .unwrap_or_else(|e| panic!("{e}"));
+        harness.run(&k, &[], &at, Work::Tiles([pass.width, pass.height])).unwrap_or_else(|e| panic!("{e}"));
         let edges = harness.read("edges").unwrap_or_else(|e| panic!("{e}"));
         (harness.read("fits").unwrap_or_else(|e| panic!("{e}")), edges)
     }
@@ -150,9 +148,7 @@ impl<'a> Stage<'a> {
         let k = kernel(self.context, "gather.wgsl", "main", &[("HAS_PATH_FILTER", 0.0)]);
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
-        harness
-            .run(&k, &[], &at, Work::Invocations(self.points.len() as u32))
-            .unwrap_or_else(|e| panic!("{e}"));
+        harness.run(&k, &[], &at, Work::Tiles([pass.width, pass.height])).unwrap_or_else(|e| panic!("{e}"));
         let film: Vec<[f32; 4]> = harness.read("film").unwrap_or_else(|e| panic!("{e}"));
         film.iter().map(|l| l[0]).collect()
     }

@@ -1,12 +1,12 @@
 //! gather.wgsl: jotons placed by hand, sorted by the code of a render, against L = Σ f Φ K.
 
 use crate::common::scenes::mirror;
-use crate::common::{frame, kernel, map_info, normal24, pass_info, path_filter, random, random_direction};
+use crate::common::{frame, map_info, normal24, pass_info, path_filter, random, random_direction};
 use crate::device_or_return;
 use bytemuck::Zeroable;
 use glam::Vec3;
-use joton::gpu::Context;
 use joton::gpu::harness::{Harness, Work, encode_direction};
+use joton::gpu::{Context, Kernel, Variant, link};
 use joton::layout::{Clip, Fit, GatherPoint, Joton, Lane, MapInfo, row_bucket, status};
 use joton::pack::PackedMaterial;
 use joton::scene::Material;
@@ -67,8 +67,23 @@ struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// Radiance of each point, and the status words.
+    /// Radiance of each point, and the status words: the same bits whether lanes share loads or not.
     fn ask(&self, context: &Context) -> (Vec<[f32; 4]>, Vec<u32>) {
+        let alone = self.ask_variant(context, Variant::default());
+        if context.has_subgroups() {
+            let together = self.ask_variant(context, Variant { subgroups: true, ..Variant::default() });
+            // where a driver ends loops early, it does so at another joton
+            let is_cut = |words: &[u32]| words[status::LOOP_CUT as usize] > 0;
+            assert_eq!(is_cut(&together.1), is_cut(&alone.1));
+            assert!(
+                is_cut(&alone.1) || together == alone,
+                "{together:?} of subgroups, {alone:?} of single lanes"
+            );
+        }
+        alone
+    }
+
+    fn ask_variant(&self, context: &Context, variant: Variant) -> (Vec<[f32; 4]>, Vec<u32>) {
         let mut info = info(self.jotons.len());
         info.shrink = self.shrink;
         let mut harness = map(context, self.jotons, &info);
@@ -82,11 +97,13 @@ impl Question<'_> {
         (pass.width, pass.height) = (self.points.len() as u32, 1);
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
         let overrides = [("CAUSTIC", flag(self.caustic)), ("HAS_PATH_FILTER", flag(self.paths != "L.*E"))];
-        let gather = kernel(context, "gather.wgsl", "main", &overrides);
+        let linked = link("gather.wgsl", variant).unwrap_or_else(|e| panic!("{e}"));
+        let gather = Kernel::from_source(context, "gather.wgsl", &linked, "main", &overrides)
+            .unwrap_or_else(|e| panic!("{e}"));
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
         harness
-            .run(&gather, &[], &at, Work::Invocations(self.points.len() as u32))
+            .run(&gather, &[], &at, Work::Tiles([pass.width, pass.height]))
             .unwrap_or_else(|e| panic!("{e}"));
         let read = |name| harness.read(name).unwrap_or_else(|e| panic!("{e}"));
         (read("film"), harness.read("status").unwrap_or_else(|e| panic!("{e}")))

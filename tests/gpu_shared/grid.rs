@@ -118,3 +118,80 @@ fn a_sphere_reaches_no_further_than_said() {
     }
     assert!(reached > 1000 && missed > 500, "{reached} rows reached, {missed} missed");
 }
+
+/// Each pixel of an image comes up once, in the tile of its workgroup, neighbours beside each other; none beyond it.
+#[test]
+fn tiles_cover_an_image_once() {
+    let context = device_or_return!();
+    for size in [[1u32, 1], [8, 8], [17, 5], [40, 23], [7, 64]] {
+        let [width, height] = size;
+        let count = (width.div_ceil(8) * height.div_ceil(8) * 64) as usize;
+        let code = format!("out_u(0u, vec4(tiled_pixel(number, {width}u, {height}u), 0u, 0u, 0u));");
+        let out: Vec<[Row; 1]> = Snippet::new(&[], &code).run(context, &vec![[[0; 4]]; count]);
+        let mut seen = vec![0; (width * height) as usize];
+        for (i, [o]) in out.iter().enumerate().filter(|(_, [o])| o[0] != u32::MAX) {
+            seen[o[0] as usize] += 1;
+            let ([x, y], tile) = ([o[0] % width, o[0] / width], i as u32 / 64);
+            assert_eq!(x / 8 + y / 8 * width.div_ceil(8), tile, "{x} {y}");
+            // two lanes are two pixels across, four a square
+            let first = out[i / 4 * 4][0][0];
+            assert!(x - first % width < 2 && y - first / width < 2, "{x} {y} is with {first}");
+        }
+        assert!(seen.iter().all(|&n| n == 1), "{size:?}: {seen:?}");
+    }
+}
+
+/// The runs of buckets of the rows that a sphere touches hold every cell that it reaches, once, and no cell twice; a row has
+/// the same bit for every sphere.
+#[test]
+fn runs_are_the_rows_that_a_sphere_reaches() {
+    let context = device_or_return!();
+    let origin = Vec3::new(-512.0, -300.25, 17.0);
+    const MASK: u32 = (1 << 14) - 1;
+    const COLUMNS: u32 = 100;
+    let mut inputs: Vec<[Row; 1]> = Vec::new();
+    for i in 0..3000 {
+        let [x, y, z, s] = random(22, i);
+        // rounded to cells now and then: a sphere that just touches the next
+        let p = Vec3::new(x, y, z) * 90.0;
+        let p = if i % 5 == 0 { p.round() } else { p };
+        inputs.push([row3(origin + p, [1.0, 0.999, 0.3 + 0.7 * s][i % 3])]);
+    }
+    let runs = (0..16).map(|k| format!("if ((rows >> {k}u) & 1u) == 1u {{ let r = row_run(g, p.xyz, p.w, {k}u); out_u({k}u, vec4(r, 1u, rows)); }} else {{ out_u({k}u, vec4(0u, 0u, 0u, rows)); }}"));
+    let code = format!(
+        "let p = in_f(0u); let g = Grid(vec3(-512.0, -300.25, 17.0), 1.0, {MASK}u, {COLUMNS}u);
+         let rows = rows_touched(g, p.xyz, p.w); {}",
+        runs.collect::<String>()
+    );
+    let out: Vec<[Row; 16]> = Snippet::new(&["shared/grid.wgsl"], &code).run(context, &inputs);
+    let mut most = 0;
+    for ([input], runs) in inputs.iter().zip(&out) {
+        let [x, y, z, r] = floats(*input);
+        let p = Vec3::new(x, y, z) - origin;
+        let (lowest, highest) = ((p - r).floor().as_ivec3(), (p + r).floor().as_ivec3());
+        let mut wanted: Vec<u32> = Vec::new();
+        for (cy, cz) in (lowest.y..=highest.y).flat_map(|y| (lowest.z..=highest.z).map(move |z| (y, z))) {
+            let off = |v: f32, c: i32| (c as f32 - v).max(v - c as f32 - 1.0).max(0.0);
+            let left = r * r - off(p.y, cy).powi(2) - off(p.z, cz).powi(2);
+            let bit = (cy & 3) + 4 * (cz & 3);
+            let [start, end, visited, _] = runs[bit as usize];
+            assert_eq!(visited, 1, "row {cy} {cz} of {p} {r} has no bit");
+            // cells that the sphere reaches by more than rounding
+            if left > 1e-3 {
+                let reach = left.sqrt() - 1e-3;
+                let row = row_bucket(cy, cz, MASK);
+                for c in ((p.x - reach).floor() as i32)..=((p.x + reach).floor() as i32) {
+                    let bucket = row + c.clamp(0, COLUMNS as i32 - 1) as u32;
+                    assert!((start..end).contains(&bucket), "{bucket} not in {start}..{end} of {p} {r}");
+                }
+            }
+            wanted.extend(start..end);
+        }
+        let visited: Vec<u32> = runs.iter().flat_map(|r| r[0]..r[1]).collect();
+        assert_eq!(visited.len(), wanted.len(), "rows that are not its own at {p} {r}");
+        let distinct: std::collections::BTreeSet<u32> = visited.iter().copied().collect();
+        assert_eq!(distinct.len(), visited.len(), "a bucket twice at {p} {r}");
+        most = most.max(runs.iter().filter(|r| r[2] == 1).count());
+    }
+    assert!(most >= 9, "{most} rows at most");
+}
