@@ -71,7 +71,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
 /// True for a scene that fits into uniform buffers.
 pub(super) fn is_small(context: &Context, scene: &PackedScene) -> bool {
     let fits = |count: usize, most: u32| count <= most as usize;
-    u64::from(context.limits.max_uniform_buffer_binding_size) >= SMALL_BYTES
+    context.limits.max_uniform_buffer_binding_size >= SMALL_BYTES
         && fits(scene.bvh.nodes().len() * NODE_WORDS, SMALL_NODE_WORDS)
         && fits(scene.triangles.len(), SMALL_TRIANGLES)
         && fits(scene.materials.len(), SMALL_MATERIALS)
