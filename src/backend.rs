@@ -25,11 +25,11 @@ pub trait Backend {
         1
     }
 
-    /// How much each layer is blurred in a pass: the squared radius of its estimates, relative to the first pass; 0 for
-    /// layers without one.
-    fn blur(&self, pass: u64) -> [f64; LAYERS] {
+    /// How much the maps are blurred in a pass: the squared radius of their estimates, relative to the first pass; 0 without
+    /// maps.
+    fn blur(&self, pass: u64) -> f64 {
         let _ = pass;
-        [0.0; LAYERS]
+        0.0
     }
 
     /// Render passes `first .. first + count`, numbered from 0.

@@ -3,9 +3,10 @@
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 
-/// Bytes of host memory for a pixel, from the first pass to the written file: two films (192) and what tells
-/// their blur (96), a batch (48 and its copy from the device), the picture (60), channels and screen values for the files (75), the backend's own state.
-const BYTES_PER_PIXEL: u64 = 640;
+/// Bytes of host memory for a pixel, from the first pass to the written file: the film (96) and what tells its error (120), a
+/// batch (48 and its copy from the device), the picture (60), channels and screen values for the files (75), the backend's
+/// own state.
+const BYTES_PER_PIXEL: u64 = 568;
 
 /// Refuse an image that does not fit the memory that is left, before any of it is taken.
 ///
@@ -121,25 +122,9 @@ impl Film {
         }
     }
 
-    /// Add the passes of another film of the same size.
-    pub fn merge(&mut self, other: &Film) {
-        self.passes += other.passes;
-        for (sum, more) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
-            for b in 0..BANDS {
-                sum[b] += more[b];
-            }
-        }
-    }
-
-    /// Sum over the passes of one pixel of the layer with this index in [`Layer::ALL`].
-    pub fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
-        self.sums[layer][pixel]
-    }
-
-    /// Mean over the passes of one pixel, all layers together.
-    pub fn mean(&self, pixel: usize) -> [f64; BANDS] {
-        let n = self.passes.max(1) as f64;
-        std::array::from_fn(|b| self.sums.iter().map(|s| s[pixel][b]).sum::<f64>() / n)
+    /// Sum over the passes of one pixel, all layers together.
+    pub fn sum_of_layers(&self, pixel: usize) -> [f64; BANDS] {
+        std::array::from_fn(|b| self.sums.iter().map(|s| s[pixel][b]).sum::<f64>())
     }
 
     /// The mean of the passes, whole and by layer.

@@ -5,7 +5,7 @@
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
 use crate::bands::BANDS;
-use crate::film::{Film, LAYERS, Picture};
+use crate::film::{Film, LAYERS, Layer, Picture};
 use rayon::prelude::*;
 
 /// What keeps the relative error of dark pixels finite: (I−R)²/(R²+this), as in `joton compare`, (W/(m² sr))².
@@ -24,9 +24,19 @@ const BIAS_SAFETY: f64 = 4.0;
 /// that fills a tenth of a pixel is often seen by one half alone, and a line through two passes goes anywhere.
 const TRUSTING_PASSES: f64 = 16.0;
 
-/// The passes of a render in two halves.
+/// The passes of a render, and parts of them.
 #[derive(Debug, Clone)]
-pub(crate) struct Halves([Half; 2]);
+pub(crate) struct Halves {
+    /// All passes.
+    film: Film,
+    /// Sums of the whole radiance over the first [`Halves::early_passes`]. Empty before there are any.
+    early: Vec<[f64; BANDS]>,
+    /// The last power of two before the number of passes.
+    early_passes: u64,
+    /// Passes and error when `early` was renewed.
+    before: Option<(u64, ErrorEstimate)>,
+    lines: [Line; 2],
+}
 
 /// Relative errors, root mean square over pixels and bands.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -39,83 +49,104 @@ pub struct ErrorEstimate {
     pub bias: f64,
 }
 
-/// Sums over the passes of one half.
-#[derive(Debug, Clone)]
-struct Half {
-    film: Film,
-    /// Sums of radiance times blur, of the layers that are blurred; empty for the others.
-    blurred: [Vec<[f64; BANDS]>; LAYERS],
-    /// Sums over the passes of the blur and of its square, for each layer.
-    moments: [[f64; 2]; LAYERS],
+/// Sums over the passes of one half for the line through the radiance of the maps against their blur.
+#[derive(Debug, Clone, Default)]
+struct Line {
+    passes: f64,
+    /// Sums of the radiance of the maps, and of it times the blur.
+    radiance: Vec<[f64; BANDS]>,
+    blurred: Vec<[f64; BANDS]>,
+    /// Sums over the passes of the blur and of its square.
+    moments: [f64; 2],
 }
 
-impl Half {
-    fn new(size: [u32; 2]) -> Self {
-        let film = Film::new(size[0], size[1]);
-        Self { film, blurred: std::array::from_fn(|_| Vec::new()), moments: [[0.0; 2]; LAYERS] }
-    }
-
-    fn add(&mut self, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: &[f64; LAYERS]) {
-        self.film.add(passes, layers);
-        for (l, layer) in layers.iter().enumerate().filter(|(l, _)| blur[*l] > 0.0) {
-            self.blurred[l].resize(layer.len(), [0.0; BANDS]);
-            for (sum, radiance) in self.blurred[l].iter_mut().zip(layer) {
-                for b in 0..BANDS {
-                    sum[b] += blur[l] * f64::from(radiance[b]);
-                }
+impl Line {
+    fn add(&mut self, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
+        let [caustic, diffuse] = [Layer::Caustic, Layer::Diffuse].map(|l| &layers[l as usize]);
+        self.radiance.resize(caustic.len(), [0.0; BANDS]);
+        self.blurred.resize(caustic.len(), [0.0; BANDS]);
+        let sums = self.radiance.iter_mut().zip(&mut self.blurred);
+        for ((sum, blurred), (c, d)) in sums.zip(caustic.iter().zip(diffuse)) {
+            for b in 0..BANDS {
+                let radiance = f64::from(c[b]) + f64::from(d[b]);
+                sum[b] += radiance;
+                blurred[b] += blur * radiance;
             }
-            self.moments[l][0] += passes as f64 * blur[l];
-            self.moments[l][1] += passes as f64 * blur[l] * blur[l];
         }
+        let n = passes as f64;
+        self.passes += n;
+        self.moments[0] += n * blur;
+        self.moments[1] += n * blur * blur;
     }
 
-    /// Factors (p, q) such that p Σ bL − q Σ L is the slope of the line through a layer's radiance L against blur b; none
-    /// where nothing is blurred or all passes alike.
-    fn line(&self, l: usize) -> Option<[f64; 2]> {
-        let n = self.film.passes() as f64;
-        let [b, bb] = self.moments[l];
-        let spread = bb - b * b / n;
-        (b > 0.0 && spread > SPREAD_MIN * bb).then(|| [1.0 / spread, b / n / spread])
+    /// Factors (p, q) such that p Σ bL − q Σ L is the slope of the line through radiance L against blur b; none where
+    /// nothing is blurred or all passes alike.
+    fn slope(&self) -> Option<[f64; 2]> {
+        let [b, bb] = self.moments;
+        let spread = bb - b * b / self.passes;
+        (b > 0.0 && spread > SPREAD_MIN * bb).then(|| [1.0 / spread, b / self.passes / spread])
     }
 }
 
 impl Halves {
     /// Nothing rendered yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
-        Self([Half::new(size), Half::new(size)])
+        Self {
+            film: Film::new(size[0], size[1]),
+            early: Vec::new(),
+            early_passes: 0,
+            before: None,
+            lines: Default::default(),
+        }
     }
 
-    /// Add the sums of `passes` passes from pass `first` on. `blur` is the mean over them of each layer's squared radius,
-    /// relative to the first pass; 0 for layers without one.
-    pub(crate) fn add(
-        &mut self,
-        first: u64,
-        passes: u64,
-        layers: &[Vec<[f32; BANDS]>; LAYERS],
-        blur: &[f64; LAYERS],
-    ) {
-        self.0[half(first)].add(passes, layers, blur);
+    /// Add the sums of `passes` passes from pass `first` on, all of one [`run`]. `blur` is the mean over them of the maps'
+    /// squared radius, relative to the first pass; 0 without maps.
+    pub(crate) fn add(&mut self, first: u64, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
+        if first.is_power_of_two() {
+            self.before = self.error().map(|e| (first, e));
+            let [width, height] = self.film.size().map(|n| n as usize);
+            self.early = (0..width * height).map(|p| self.film.sum_of_layers(p)).collect();
+            self.early_passes = first;
+        }
+        self.film.add(passes, layers);
+        if blur > 0.0 {
+            self.lines[half(first)].add(passes, layers, blur);
+        }
     }
 
     /// The mean of all passes.
     pub(crate) fn picture(&self) -> Picture {
-        let mut film = self.0[0].film.clone();
-        film.merge(&self.0[1].film);
-        film.picture()
+        self.film.picture()
     }
 
-    /// The error of the mean of all passes; none before there are two halves.
+    /// The error of the mean of all passes; none before there are two. While the later passes are less than half as many as
+    /// the early ones, their difference says little, and noise falls from what it was.
     pub(crate) fn error(&self) -> Option<ErrorEstimate> {
-        let [a, b] = self.0.each_ref().map(|h| h.film.passes() as f64);
-        if a == 0.0 || b == 0.0 {
+        let passes = self.film.passes();
+        let early = self.early_passes;
+        if early == 0 {
             return None;
         }
-        let lines: [[Option<[f64; 2]>; LAYERS]; 2] =
-            self.0.each_ref().map(|h| std::array::from_fn(|l| h.line(l)));
-        let trust = (TRUSTING_PASSES / (a + b)).min(1.0);
-        let mean_blur: [f64; LAYERS] =
-            std::array::from_fn(|l| (self.0[0].moments[l][0] + self.0[1].moments[l][0]) / (a + b));
-        let [width, height] = self.0[0].film.size().map(|n| n as usize);
+        let found = match self.before {
+            Some((n, before)) if 2 * (passes - early) < early => {
+                let part = (n as f64 / passes as f64).sqrt();
+                ErrorEstimate { total: before.total * part, noise: before.noise * part, bias: before.bias }
+            }
+            _ => self.measured_error(),
+        };
+        Some(found)
+    }
+
+    fn measured_error(&self) -> ErrorEstimate {
+        let all = self.film.passes() as f64;
+        let (a, b) = (self.early_passes as f64, all - self.early_passes as f64);
+        // Var(mean of all) = Var(difference of the parts' means) · ab/(a+b)²
+        let share = a * b / (all * all);
+        let slopes = self.lines.each_ref().map(Line::slope);
+        let mean_blur = self.lines.iter().map(|l| l.moments[0]).sum::<f64>() / all;
+        let trust = (TRUSTING_PASSES / all).min(1.0);
+        let [width, height] = self.film.size().map(|n| n as usize);
         // noise and squared bias of each row, the latter by blocks across
         let rows: Vec<(f64, [f64; BLOCKS])> = (0..height)
             .into_par_iter()
@@ -123,17 +154,24 @@ impl Halves {
                 let (mut noise, mut bias) = (0.0, [0.0; BLOCKS]);
                 for x in 0..width {
                     let p = y * width + x;
-                    let means = self.0.each_ref().map(|h| h.film.mean(p));
-                    let biases: [[f64; BANDS]; 2] =
-                        std::array::from_fn(|h| self.0[h].bias(p, &lines[h], &mean_blur));
+                    let (early, sum) = (self.early[p], self.film.sum_of_layers(p));
                     for i in 0..BANDS {
-                        let mean = (a * means[0][i] + b * means[1][i]) / (a + b);
+                        let means = [early[i] / a, (sum[i] - early[i]) / b];
+                        let mean = sum[i] / all;
                         let weight = trust / (mean * mean + DARK)
-                            + (1.0 - trust) / (common_square(means[0][i], means[1][i]) + DARK);
-                        // Var(mean of all) = Var(difference) · ab/(a+b)²
-                        let share = a * b / ((a + b) * (a + b));
-                        noise += (means[0][i] - means[1][i]).powi(2) * share * weight;
-                        bias[x * BLOCKS / width] += biases[0][i] * biases[1][i] * weight;
+                            + (1.0 - trust) / (common_square(means[0], means[1]) + DARK);
+                        noise += (means[0] - means[1]).powi(2) * share * weight;
+                        if let [Some(first), Some(second)] = slopes {
+                            let slope = |line: &Line, [p_factor, q_factor]: [f64; 2]| {
+                                p_factor * line.blurred[p][i] - q_factor * line.radiance[p][i]
+                            };
+                            // what a pixel has too much for the radii is slope times mean blur
+                            bias[x * BLOCKS / width] += slope(&self.lines[0], first)
+                                * slope(&self.lines[1], second)
+                                * mean_blur
+                                * mean_blur
+                                * weight;
+                        }
                     }
                 }
                 (noise, bias)
@@ -149,37 +187,16 @@ impl Halves {
         let noise_squared = rows.iter().map(|r| r.0).sum::<f64>() / values;
         let bias_squared = credible(&blocks) / values;
         let believed = ((1.0 - trust) * bias_squared).min(noise_squared);
-        Some(ErrorEstimate {
+        ErrorEstimate {
             total: (NOISE_SAFETY * noise_squared + BIAS_SAFETY * believed).sqrt(),
             noise: noise_squared.sqrt(),
             bias: bias_squared.sqrt(),
-        })
-    }
-}
-
-impl Half {
-    /// What a pixel has too much for the radii: slope times mean blur, summed over the layers.
-    fn bias(
-        &self,
-        pixel: usize,
-        lines: &[Option<[f64; 2]>; LAYERS],
-        mean_blur: &[f64; LAYERS],
-    ) -> [f64; BANDS] {
-        let mut bias = [0.0; BANDS];
-        for (l, line) in lines.iter().enumerate() {
-            let Some([p, q]) = line else { continue };
-            let sum = self.film.sum(l, pixel);
-            for i in 0..BANDS {
-                bias[i] += (p * self.blurred[l][pixel][i] - q * sum[i]) * mean_blur[l];
-            }
         }
-        bias
     }
 }
 
-/// The half that a pass belongs to, from its first bit after the leading one: 0 | 1 | 2 | 3 | 4 5 | 6 7 | 8 9 10 11 | 12 …
-/// In a row, because passes in a row are spread evenly over the Sobol sequences, and halves shall be as the whole is. Every
-/// other pass would make halves of chance, far noisier than their sum.
+/// The line that a pass belongs to, from its first bit after the leading one: 0 | 1 | 2 | 3 | 4 5 | 6 7 | 8 9 10 11 | 12 …
+/// Both have passes of all radii, and runs of them, which are spread evenly over the Sobol sequences.
 fn half(pass: u64) -> usize {
     match pass {
         0 | 1 => pass as usize,
@@ -187,7 +204,7 @@ fn half(pass: u64) -> usize {
     }
 }
 
-/// Passes from `pass` on, itself among them, that belong to one half.
+/// Passes from `pass` on, itself among them, that belong to one line; none reaches over a power of two.
 pub(crate) fn run(pass: u64) -> u64 {
     let length = if pass < 2 { 1 } else { 1 << (pass.ilog2() - 1) };
     length - pass % length
@@ -211,7 +228,6 @@ fn credible(parts: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Layer;
     use crate::rng::random4;
 
     const SIZE: [u32; 2] = [40, 40];
@@ -225,9 +241,7 @@ mod tests {
             for (p, value) in layers[Layer::Diffuse as usize].iter_mut().enumerate() {
                 *value = [at(pass, p) as f32; BANDS];
             }
-            let mut of_layers = [0.0; LAYERS];
-            of_layers[Layer::Diffuse as usize] = blur(pass);
-            halves.add(pass, 1, &layers, &of_layers);
+            halves.add(pass, 1, &layers, blur(pass));
         }
         halves
     }
@@ -240,7 +254,7 @@ mod tests {
     /// Independent noise is told to 5 %, and bounded by √2 of it; no bias is seen in it.
     #[test]
     fn noise_of_the_mean_is_found() {
-        for passes in [4, 7, 16, 100] {
+        for passes in [4, 5, 7, 16, 70, 100] {
             let e = after(passes, |_| 1.0, |n, p| 2.0 + 0.1 * uniform(n, p)).error().expect("two halves");
             let truth = 0.1 / (3.0 * passes as f64 * (4.0 + DARK)).sqrt();
             assert!((e.noise / truth - 1.0).abs() < 0.05, "{passes} passes: {e:?}, truth {truth}");

@@ -3,7 +3,7 @@
 use crate::backend::{Backend, Tally};
 use crate::bands::BANDS;
 use crate::error::Result;
-use crate::film::{LAYERS, Picture};
+use crate::film::Picture;
 pub use crate::halves::ErrorEstimate;
 use crate::halves::{self, Halves};
 use std::time::Instant;
@@ -137,7 +137,7 @@ pub fn render(
         let batch_passes = u64::from(backend.batch_passes(passes)).min(halves::run(passes));
         let count = stop.passes.map_or(batch_passes, |most| batch_passes.min(most - passes));
         let batch = backend.render(passes, count as u32)?;
-        sums.add(passes, count, &batch.layers, &mean_blur(backend, passes, count));
+        sums.add(passes, count, &batch.layers, mean_blur(backend, passes, count));
         tally += batch.tally;
         imbalance.add(count, &batch.tally);
         passes += count;
@@ -197,15 +197,9 @@ fn is_estimated(passes: u64) -> bool {
     passes >= ERROR_PASSES && passes.is_multiple_of(1 << passes.ilog2().saturating_sub(4))
 }
 
-/// Mean of the blur of each layer over `count` passes.
-fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> [f64; LAYERS] {
-    let mut mean = [0.0; LAYERS];
-    for pass in first..first + count {
-        for (sum, b) in mean.iter_mut().zip(backend.blur(pass)) {
-            *sum += b / count as f64;
-        }
-    }
-    mean
+/// Mean of the maps' blur over `count` passes.
+fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> f64 {
+    (first..first + count).map(|pass| backend.blur(pass)).sum::<f64>() / count as f64
 }
 
 /// Spread between batches of emitted − absorbed − escaped.

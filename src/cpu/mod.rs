@@ -186,7 +186,7 @@ impl Backend for CpuBackend {
         format!("CPU, {} threads", rayon::current_num_threads())
     }
 
-    fn blur(&self, pass: u64) -> [f64; LAYERS] {
+    fn blur(&self, pass: u64) -> f64 {
         self.plan.blur(pass)
     }
 

@@ -317,7 +317,7 @@ impl Backend for GpuBackend {
         }
     }
 
-    fn blur(&self, pass: u64) -> [f64; LAYERS] {
+    fn blur(&self, pass: u64) -> f64 {
         self.plan.blur(pass)
     }
 

@@ -181,15 +181,11 @@ impl Plan {
         }
     }
 
-    /// How much the radii blur each layer in a pass: the squared radius, relative to the first pass; 0 without a radius.
-    pub fn blur(&self, pass: u64) -> [f64; LAYERS] {
-        let mut blur = [0.0; LAYERS];
-        for (layer, schedule) in [(Layer::Caustic, &self.caustic), (Layer::Diffuse, &self.diffuse)] {
-            if self.traces(layer) {
-                blur[layer as usize] = shrink(schedule.alpha, pass);
-            }
-        }
-        blur
+    /// How much the radii blur the maps in a pass: the squared radius, relative to the first pass; 0 without a map.
+    pub fn blur(&self, pass: u64) -> f64 {
+        // both shrink alike
+        let has_map = self.traces(Layer::Caustic) || self.traces(Layer::Diffuse);
+        if has_map { shrink(ALPHA, pass) } else { 0.0 }
     }
 
     /// True where something mirrors or refracts.

@@ -48,7 +48,8 @@ fn film(sheet: &mut Sheet) {
             film.add(1, &std::array::from_fn(|_| vec![[values[pass as usize % 2]; 3]]));
         }
         let want = (f64::from(values[0]) + f64::from(values[1])) / 2.0;
-        let drift = (film.mean(0)[0] / Layer::ALL.len() as f64 / want - 1.0).abs();
+        let drift =
+            (film.sum_of_layers(0)[0] / (film.passes() as f64 * Layer::ALL.len() as f64) / want - 1.0).abs();
         sheet.at_most(format!("mean of {PASSES} passes of {name}"), "film", "relative", drift, 1e-9);
     }
     // a lamp that fills the view: every pass sees the same
