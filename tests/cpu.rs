@@ -246,3 +246,21 @@ fn threads_and_splits_do_not_change_the_image() {
         assert!((sum - want).abs() <= 1e-5 * want.max(0.1), "pixel {pixel}: {sum} {want}");
     }
 }
+
+/// One light that is a point has one way to every place: more shadow rays would be the same one again, and the plan leaves
+/// them out. Two such lights are picked from, and keep theirs.
+#[test]
+fn one_point_light_takes_one_shadow_ray() {
+    let mut scene = load("furnace.toml", 16);
+    for m in &mut scene.materials {
+        m.emission = [0.0; 3];
+    }
+    let light = |x: f64| Light::Point { position: glam::DVec3::new(x, 0.4, 0.2), intensity: [1.0; 3] };
+    scene.lights = vec![light(0.2)];
+    let (_, one) = plan(&scene, EVERYTHING);
+    assert_eq!(one.settings.shadow_rays, 1);
+    assert!(one.skipped.iter().any(|s| s.what == "further shadow rays"), "{:?}", one.skipped);
+    scene.lights.push(light(-0.2));
+    let (_, two) = plan(&scene, EVERYTHING);
+    assert_eq!(two.settings.shadow_rays, joton::plan::SHADOW_RAYS);
+}

@@ -8,7 +8,7 @@ use joton::film;
 use joton::output::{self, display, exr, png};
 use joton::pack::PackedScene;
 use joton::paths::LightPaths;
-use joton::plan::{Plan, Settings};
+use joton::plan::{Plan, SHADOW_RAYS, Settings};
 use joton::render::{Progress, Reason, Stop, render};
 use joton::report::{Circumstances, KernelTime, Report};
 use joton::{Error, Result};
@@ -51,7 +51,7 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "EXPR")]
     paths: Option<String>,
     /// Shadow rays for each pixel and pass.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
+    #[arg(long, default_value_t = SHADOW_RAYS, value_parser = clap::value_parser!(u32).range(1..=32))]
     shadow_rays: u32,
     /// Exposure of PNG files: auto, or a number of stops.
     #[arg(long, default_value = "auto", allow_negative_numbers = true)]

@@ -7,7 +7,7 @@ pub use pilot::Pilot;
 pub use radius::{Schedule, area_group, shrink};
 
 use crate::film::{LAYERS, Layer};
-use crate::pack::PackedScene;
+use crate::pack::{EmitterKind, PackedScene};
 use crate::paths::LightPaths;
 
 /// What the user asked for, as far as it changes the plan.
@@ -21,9 +21,12 @@ pub struct Settings {
     pub shadow_rays: u32,
 }
 
+/// Shadow rays that pay: where light is soft they halve the noise of direct light for a tenth of a pass.
+pub const SHADOW_RAYS: u32 = 2;
+
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: 1 }
+        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS }
     }
 }
 
@@ -98,7 +101,7 @@ const CAUSTIC_JOTONS: [u32; 2] = [1 << 14, 1 << 19];
 
 impl Plan {
     /// Decide what a scene needs.
-    pub fn new(scene: &PackedScene, settings: Settings) -> Self {
+    pub fn new(scene: &PackedScene, mut settings: Settings) -> Self {
         let pilot = Pilot::look(scene);
         let has = |f: &dyn Fn(crate::pack::MaterialFlags) -> bool| {
             scene.triangles.iter().any(|t| f(scene.materials[t.material as usize].flags()))
@@ -151,6 +154,15 @@ impl Plan {
             if !on {
                 skipped.push(Skip { what, why });
             }
+        }
+
+        if let [light] = &scene.emitters[..]
+            && light.kind != EmitterKind::Triangle as u32
+            && settings.shadow_rays > 1
+        {
+            settings.shadow_rays = 1;
+            skipped
+                .push(Skip { what: "further shadow rays", why: "the only light is a point or a direction" });
         }
 
         let pixels = scene.pixels() as u32;
