@@ -21,7 +21,6 @@
 
 // The pilot finds the pixels whose discs are not whole; later passes look at these, their neighbours and at what is seen
 // through specular surfaces. The radius only shrinks: what is whole stays whole.
-override PILOT: bool = false;
 // Something in the scene mirrors or refracts.
 override SPECULAR_BODIES: bool = false;
 
@@ -52,14 +51,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let pixel = tiled_pixel(linear_index(id, groups), pass_info.width, pass_info.height);
     let is_pixel = pixel != NO_PIXEL;
     let point = gather_points[select(0u, pixel, is_pixel)];
-    let r = map_info.radius * select(1.0, PILOT_REACH, PILOT);
+    let pilot = pass_info.pass_index == PILOT_PASS;
+    let r = map_info.radius * select(1.0, PILOT_REACH, pilot);
     let disc = PI * r * r;
     let direct_view = ((point.surface >> 24u) & 63u) == 0u;
     let normal = decode_direction(point.normal);
     // lanes with nothing to solve go along and find nothing
     var is_here = is_pixel && max(point.throughput.x, max(point.throughput.y, point.throughput.z)) > 0.0;
     var walls = no_walls(r);
-    if !PILOT && is_here {
+    if !pilot && is_here {
         walls = walls_about(pixel, point.position, normal, r);
         if direct_view && all(walls.planes[0].xyz == vec3(0.0)) && !edge_near(pixel) {
             fits[pixel] = Fit(vec4(1.0 / disc, 0.0, 0.0, 0.0));
@@ -127,7 +127,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var c = vec4(1.0 / disc, 0.0, 0.0, 0.0);
     if m.x > 0.0 {
         let center = m.yz / m.x;
-        if !PILOT || area < WHOLE_AREA * disc || dot(center, center) > WHOLE_CENTROID * WHOLE_CENTROID {
+        if !pilot || area < WHOLE_AREA * disc || dot(center, center) > WHOLE_CENTROID * WHOLE_CENTROID {
             // covariance of the area about its centroid; the weights are (1 − centerᵀ C⁻¹ (x − center)) / area
             let xx = mm.x / m.x - center.x * center.x;
             let xy = mm.y / m.x - center.x * center.y;
@@ -143,7 +143,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             edge = EDGE_CUT;
         }
     }
-    if PILOT {
+    if pilot {
         // mirrors have no area points, and --paths must not change what is found; and where pixels are large the pilot's point does not speak for the others
         others = others || SPECULAR_BODIES || pixel_footprint(point, pass_info.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
         edges[pixel] = edge | select(0u, EDGE_OTHERS, others);

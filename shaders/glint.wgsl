@@ -14,7 +14,6 @@
 // import: shared/paths.wgsl
 
 // The pilot counts in how many of its chains light is seen: 0 none, 1 some, 2 all, directly.
-override PILOT: bool = false;
 
 @group(1) @binding(0) var<uniform> path_filter: PathFilter;
 @group(1) @binding(1) var<storage, read> gather_points: array<GatherPoint>;
@@ -108,10 +107,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if pixel >= pass_info.width * pass_info.height {
         return;
     }
-    if !PILOT && (gather_points[pixel].pixel_flags & PIXEL_GLINT) == 0u {
+    let pilot = pass_info.pass_index == PILOT_PASS;
+    if !pilot && (gather_points[pixel].pixel_flags & PIXEL_GLINT) == 0u {
         return;
     }
-    let chains = select(CHAINS, PILOT_CHAINS, PILOT);
+    let chains = select(CHAINS, PILOT_CHAINS, pilot);
     var emission = Bands(0.0);
     var lit = 0u;
     var lit_directly = 0u;
@@ -125,7 +125,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         lit += select(0u, 1u, max_band(seen.emission) > 0.0);
         lit_directly += select(0u, 1u, seen.direct);
     }
-    if PILOT {
+    if pilot {
         if traversal_cut {
             atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
         }

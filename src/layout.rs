@@ -292,6 +292,9 @@ pub const CLIP_STEEP: f32 = 0.5;
 pub const CLIP_SAME: f32 = 0.999;
 /// Least part of a caustic disc that two walls may leave: the product of their shares is exact for right angles only.
 pub const CLIP_KEPT_MIN: f32 = 0.1;
+/// The pass whose random numbers are the pilot's, which is no part of the image: its jotons choose the caustic radii, its
+/// camera paths find edges, walls and glints.
+pub const PILOT_PASS: u32 = u32::MAX;
 /// Bits of the pilot's finding about a disc: it is not whole; other surfaces reach into its ball.
 pub const EDGE_CUT: u32 = 1;
 /// See [`EDGE_CUT`].
@@ -333,6 +336,7 @@ pub fn constants() -> String {
     u("STATUS_TRAVERSAL_CUT", status::TRAVERSAL_CUT);
     u("SURE_EVENTS", SURE_EVENTS);
     u("CLIP_RAYS", CLIP_RAYS);
+    u("PILOT_PASS", PILOT_PASS);
     u("EDGE_CUT", EDGE_CUT);
     u("EDGE_OTHERS", EDGE_OTHERS);
     u("STEP_BUDGET", STEP_BUDGET);

@@ -29,6 +29,7 @@ use crate::backend::{Backend, Batch, Tally};
 use crate::bands::{BLACK, Bands};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
+use crate::layout::PILOT_PASS;
 use crate::pack::{PackedScene, scatter_area_points};
 use crate::plan::{Plan, area_group, shrink};
 use crate::rng::sequence_seed;
@@ -43,8 +44,6 @@ use std::sync::Arc;
 const AREA_POINTS_PER_DISC: f64 = 250.0;
 /// Most area points.
 const AREA_POINTS_MAX: f64 = 2e6;
-/// The pass whose jotons choose the caustic radii and whose chains mark glints; not part of the image.
-const PILOT_PASS: u32 = u32::MAX;
 
 /// Renders passes of a plan on this machine's threads.
 pub struct CpuBackend {

@@ -242,7 +242,7 @@ impl GpuBackend {
             map.record(&mut recorder, pass_info, &info);
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
-            if let (Kind::Diffuse, Some([boundary, _])) = (map.kind, &steps.boundary) {
+            if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
                 recorder.dispatch_tiles(boundary, &at, self.scene.size);
             }
             recorder.dispatch_tiles(gather, &at, self.scene.size);

@@ -5,10 +5,8 @@ use super::pipelines::Steps;
 use super::recorder::Recorder;
 use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
-use crate::layout::{EDGE_OTHERS, MapInfo, PassInfo, status};
+use crate::layout::{EDGE_OTHERS, MapInfo, PILOT_PASS, PassInfo, status};
 
-/// Random numbers of the pilot.
-const PILOT_PASS: u32 = u32::MAX;
 /// Lanes that are tried before the first pass.
 const PROBE_LANES: u32 = 512;
 
@@ -127,7 +125,7 @@ impl GpuBackend {
         let no_map: MapInfo = bytemuck::Zeroable::zeroed();
         let at = [("pass_info", recorder.ring.push(&nothing)), ("map_info", recorder.ring.push(&no_map))];
         let kernels = [&steps.eye].into_iter().chain(&steps.direct).chain(steps.glint.iter().flatten());
-        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(steps.boundary.iter().flatten());
+        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(&steps.boundary);
         for step in kernels.chain(maps) {
             recorder.dispatch(step, &at, 1);
         }
@@ -154,8 +152,8 @@ impl GpuBackend {
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
         recorder.dispatch(eye, &at, pixels);
-        if let Some([_, pilot]) = boundary {
-            recorder.dispatch_tiles(pilot, &at, self.scene.size);
+        if let Some(boundary) = boundary {
+            recorder.dispatch_tiles(boundary, &at, self.scene.size);
         }
         recorder.dispatch(clip, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);

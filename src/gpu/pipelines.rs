@@ -14,11 +14,11 @@ use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
 /// The compiled kernels.
 pub(super) struct Kernels {
     eye: Kernel,
-    glint: Option<[Kernel; 3]>,
+    glint: Option<[Kernel; 2]>,
     direct: Option<Kernel>,
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
-    boundary: [Option<Kernel>; 2],
+    boundary: Option<Kernel>,
     clip: Option<Kernel>,
     caustic_count: Option<Kernel>,
     caustic_radius: Option<Kernel>,
@@ -61,13 +61,7 @@ impl Kernels {
         Ok(Self {
             eye: compile("eye.wgsl")?,
             glint: if plan.traces(Layer::Emission) {
-                let mut pilot = features.to_vec();
-                pilot.push(("PILOT", 1.0));
-                Some([
-                    compile("glint.wgsl")?,
-                    Kernel::new(context, "glint.wgsl", "main", &pilot)?,
-                    compile("glint_mark.wgsl")?,
-                ])
+                Some([compile("glint.wgsl")?, compile("glint_mark.wgsl")?])
             } else {
                 None
             },
@@ -80,13 +74,10 @@ impl Kernels {
                 optional(caustic, &|| with("gather.wgsl", true))?,
                 optional(diffuse, &|| with("gather.wgsl", false))?,
             ],
-            boundary: [
-                optional(diffuse, &|| compile("boundary.wgsl"))?,
-                optional(diffuse, &|| {
-                    let overrides = [("PILOT", 1.0), ("SPECULAR_BODIES", flag(plan.has_specular_bodies()))];
-                    Kernel::new(context, "boundary.wgsl", "main", &overrides)
-                })?,
-            ],
+            boundary: optional(diffuse, &|| {
+                let overrides = [("SPECULAR_BODIES", flag(plan.has_specular_bodies()))];
+                Kernel::new(context, "boundary.wgsl", "main", &overrides)
+            })?,
             clip: optional(caustic || diffuse, &|| compile("clip.wgsl"))?,
             caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
             caustic_radius: optional(caustic, &|| {
@@ -103,7 +94,7 @@ pub(super) struct Steps {
     /// Of a pass, of the pilot, and the marking of pixels.
     pub(super) glint: Option<[Step; 3]>,
     pub(super) direct: Option<Step>,
-    pub(super) boundary: Option<[Step; 2]>,
+    pub(super) boundary: Option<Step>,
     pub(super) clip: Option<Step>,
     pub(super) maps: Vec<(Map, Step)>,
     pub(super) pilot: Option<[Step; 2]>,
@@ -145,20 +136,15 @@ impl Steps {
         Ok(Self {
             eye: kernels.eye.bind(context, buffers, &[])?,
             glint: match &kernels.glint {
-                Some([pass, pilot, mark]) => Some([
-                    pass.bind(context, buffers, &[("film", "film_emission")])?,
-                    pilot.bind(context, buffers, &[("film", "radii")])?,
+                Some([glint, mark]) => Some([
+                    glint.bind(context, buffers, &[("film", "film_emission")])?,
+                    glint.bind(context, buffers, &[("film", "radii")])?,
                     mark.bind(context, buffers, &[("glints", "radii")])?,
                 ]),
                 None => None,
             },
             direct: optional(&kernels.direct, &[])?,
-            boundary: match &kernels.boundary {
-                [Some(pass), Some(pilot)] => {
-                    Some([pass.bind(context, buffers, &[])?, pilot.bind(context, buffers, &[])?])
-                }
-                _ => None,
-            },
+            boundary: optional(&kernels.boundary, &[])?,
             clip: optional(&kernels.clip, &[])?,
             maps,
             pilot,

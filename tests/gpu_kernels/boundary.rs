@@ -8,7 +8,7 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 use joton::gpu::Context;
 use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::layout::{Clip, EDGE_CUT, EDGE_OTHERS, Fit, GatherPoint, Joton, Lane, MapInfo};
+use joton::layout::{Clip, EDGE_CUT, EDGE_OTHERS, Fit, GatherPoint, Joton, Lane, MapInfo, PILOT_PASS};
 use joton::pack::{PackedMaterial, PackedScene};
 use joton::scene::Material;
 use std::f32::consts::PI;
@@ -78,7 +78,7 @@ impl<'a> Stage<'a> {
         ((world - self.scene.world_center) / self.scene.world_scale).as_vec3()
     }
 
-    /// Weights for one scattering; PILOT, or a pass with `edges`.
+    /// Weights for one scattering, of the pilot, or of a pass with `edges`.
     fn fits(&self, seed: u32, edges: Option<&[u32]>) -> (Vec<Fit>, Vec<u32>) {
         let mut harness = Harness::new(self.context);
         let mut info = self.info;
@@ -88,9 +88,9 @@ impl<'a> Stage<'a> {
         harness.storage("fits", &vec![[PATTERN; 4]; self.points.len()]);
         harness.storage("edges", edges.unwrap_or(&vec![PATTERN; self.points.len()]));
         harness.storage("status", &[0u32; 8]);
-        let pilot = if edges.is_none() { 1.0 } else { 0.0 };
-        let k = kernel(self.context, "boundary.wgsl", "main", &[("PILOT", pilot)]);
+        let k = kernel(self.context, "boundary.wgsl", "main", &[]);
         let mut pass = pass_info();
+        pass.pass_index = if edges.is_none() { PILOT_PASS } else { 0 };
         (pass.width, pass.height) = (self.points.len() as u32, 1);
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
