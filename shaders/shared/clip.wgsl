@@ -38,34 +38,36 @@ fn no_walls(r: f32) -> Walls {
 }
 
 // The walls that cut the disc of radius r about a pixel's gather point of this pass. Where the pilot saw another surface
-// in the pixel, whose walls include this one, the neighbours know better.
+// in the pixel, or this one elsewhere, in a mirror, the neighbours know better.
 fn walls_about(pixel: u32, p: vec3<f32>, normal: vec3<f32>, r: f32) -> Walls {
     var walls = no_walls(r);
     let own = clips[pixel];
-    if all(own.first.xyz == vec3(0.0)) {
-        return walls;
-    }
     if is_steep(own.first, normal) && is_steep(own.second, normal) {
-        walls = with_wall(walls, own.first, p, r);
-        if any(own.second.xyz != vec3(0.0)) {
-            walls = with_wall(walls, own.second, p, r);
-        }
+        walls = with_clip(walls, own, p, normal, r);
+    }
+    if any(walls.planes[0].xyz != vec3(0.0)) {
         return walls;
     }
     let x0 = pixel % pass_info.width;
     let y0 = pixel / pass_info.width;
     for (var y = max(y0, 1u) - 1u; y <= min(y0 + 1u, pass_info.height - 1u); y += 1u) {
         for (var x = max(x0, 1u) - 1u; x <= min(x0 + 1u, pass_info.width - 1u); x += 1u) {
-            let clip = clips[y * pass_info.width + x];
-            if any(clip.first.xyz != vec3(0.0)) && is_steep(clip.first, normal) {
-                walls = with_wall(walls, clip.first, p, r);
-            }
-            if any(clip.second.xyz != vec3(0.0)) && is_steep(clip.second, normal) {
-                walls = with_wall(walls, clip.second, p, r);
-            }
+            walls = with_clip(walls, clips[y * pass_info.width + x], p, normal, r);
         }
     }
     return walls;
+}
+
+// With the planes of a pixel's clip that are walls to a surface of this normal.
+fn with_clip(walls: Walls, clip: Clip, p: vec3<f32>, normal: vec3<f32>, r: f32) -> Walls {
+    var w = walls;
+    if any(clip.first.xyz != vec3(0.0)) && is_steep(clip.first, normal) {
+        w = with_wall(w, clip.first, p, r);
+    }
+    if any(clip.second.xyz != vec3(0.0)) && is_steep(clip.second, normal) {
+        w = with_wall(w, clip.second, p, r);
+    }
+    return w;
 }
 
 fn is_before(plane: vec4<f32>, p: vec3<f32>) -> bool {

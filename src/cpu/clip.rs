@@ -74,28 +74,29 @@ impl Walls {
         }
     }
 
-    /// Those that cut the disc about a pixel's gather point of a pass. Where the pilot saw another surface in the pixel,
-    /// whose walls include this one, the neighbours know better.
+    /// Those that cut the disc about a pixel's gather point of a pass. Where the pilot saw another surface in the pixel, or
+    /// this one elsewhere, in a mirror, the neighbours know better.
     pub(super) fn about(clips: &[Clip], size: [u32; 2], pixel: u32, g: &GatherPoint, radius: f32) -> Self {
         let mut walls = Self::none(radius);
         let own = &clips[pixel as usize];
-        if !own[0].is_wall() {
-            return walls;
-        }
-        let mut add = |clip: &Clip| {
-            for plane in clip.iter().filter(|p| p.is_wall() && p.is_steep(g.ng)) {
-                walls.add(*plane, g.position);
-            }
-        };
         if own.iter().all(|plane| plane.is_steep(g.ng)) {
-            add(own);
-        } else {
+            walls.add_all(own, g);
+        }
+        if !walls.planes[0].is_wall() {
             let around = |i: u32, end: u32| i.saturating_sub(1)..(i + 2).min(end);
             for y in around(pixel / size[0], size[1]) {
-                around(pixel % size[0], size[0]).for_each(|x| add(&clips[(y * size[0] + x) as usize]));
+                around(pixel % size[0], size[0])
+                    .for_each(|x| walls.add_all(&clips[(y * size[0] + x) as usize], g));
             }
         }
         walls
+    }
+
+    /// The planes of a pixel's clip that are walls to this point's surface.
+    fn add_all(&mut self, clip: &Clip, g: &GatherPoint) {
+        for plane in clip.iter().filter(|p| p.is_wall() && p.is_steep(g.ng)) {
+            self.add(*plane, g.position);
+        }
     }
 
     /// Part of the disc about `p` that they leave; exact for one wall and for two at a right angle.
