@@ -87,7 +87,7 @@ impl Bvh {
         direction: Vec3,
         t_max: f32,
     ) -> Option<Hit> {
-        let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
+        let ray = ray(origin, direction, t_max);
         let (mut hit, mut uv) = (RayHit::none(), (0.0, 0.0));
         let found = self.wide.ray_traverse(ray, &mut hit, |ray, id| {
             match intersect_triangle(ray.origin, ray.direction, &triangles[id]) {
@@ -106,7 +106,7 @@ impl Bvh {
         // obvhs leaves out boxes that end before t = 1e-4, whatever the direction's length: a shadow ray to the sun, 4096
         // units long, would not see what stands within 0.4
         let length = direction.length();
-        let ray = Ray::new(origin.into(), (direction / length).into(), 0.0, t_max * length);
+        let ray = ray(origin, direction / length, t_max * length);
         !self.wide.ray_traverse_miss(ray, |ray, id| {
             intersect_triangle(ray.origin, ray.direction, &triangles[id]).map_or(f32::INFINITY, |h| h.0)
         })
@@ -121,9 +121,15 @@ impl Bvh {
         reach: f32,
         mut accept: impl FnMut(u32) -> bool,
     ) -> bool {
-        let ray = Ray::new((point - along * reach).into(), along.into(), 0.0, 2.0 * reach);
+        let ray = ray(point - along * reach, along, 2.0 * reach);
         !self.wide.ray_traverse_miss(ray, |_, id| if accept(id as u32) { 0.0 } else { f32::INFINITY })
     }
+}
+
+/// A ray without negative zeros: obvhs takes their sign for the reciprocal and not for the octant, and misses everything.
+fn ray(origin: Vec3, direction: Vec3, t_max: f32) -> Ray {
+    // −0 + 0 is 0
+    Ray::new(origin.into(), (direction + Vec3::ZERO).into(), 0.0, t_max)
 }
 
 /// Barycentric slack: rays that meet an edge hit one triangle or the other, never neither …

@@ -48,7 +48,7 @@ impl Closed {
         Self { name, world: World::new(&triangles), triangles, center, room }
     }
 
-    /// The `i`-th ray from inside: to a corner, a point on an edge, or anywhere.
+    /// The `i`-th ray from inside: to a corner, a point on an edge, along the axes, or anywhere.
     fn ray(&self, i: usize) -> Ray {
         let [a, b, c] = self.triangles[i / 8 % self.triangles.len()];
         let [s, x, y, z] = random(1, i);
@@ -60,6 +60,7 @@ impl Closed {
             0 => [a, b, c][i / 64 % 3],
             1 => a + (b - a) * s,
             2 => 0.5 * (b + c),
+            _ if i / 8 % 16 == 0 => return [from, with_zeros(i / 128)],
             _ => return [from, random_direction(2, i)],
         };
         [from, (target - from).normalize()]
@@ -98,6 +99,15 @@ impl Closed {
             sheet.none(format!("{}, {n} triangles, {on_device} rays", self.name), "device", "leaks", leaks);
         }
     }
+}
+
+/// A direction along an axis or between two, its zeros of either sign.
+fn with_zeros(i: usize) -> Vec3 {
+    let sign = |bit: usize, x: f32| if i >> bit & 1 == 1 { -x } else { x };
+    let mut d = [sign(0, 0.0), sign(1, if i >> 3 & 1 == 1 { 0.6 } else { 0.0 }), 0.0];
+    d[2] = sign(2, (1.0 - d[1] * d[1]).sqrt());
+    d.rotate_left(i / 16 % 3);
+    Vec3::from(d)
 }
 
 fn exact_edges(sheet: &mut Sheet) {
