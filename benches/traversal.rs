@@ -1,30 +1,29 @@
-//! Rays a second through the hierarchy on one thread: a box of 38 triangles and a sphere of 200,000.
+//! Rays a second through the hierarchy, on all threads of the host and on the device: a box of 38 triangles and a sphere of
+//! 200,000. On a software device the host's figure is the floor of the device's: the same cores, without WGSL between.
 //!
-//! `cargo bench --bench traversal`
+//! `cargo bench --bench traversal`. The device is left out, and that is said, where there is none.
+
+#[path = "../tests/common/scenes.rs"]
+#[allow(dead_code, reason = "shared with the tests, which use all of it")]
+mod scenes;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use joton::bvh::{Bvh, Edges};
+use joton::gpu::harness::{Harness, Work};
+use joton::gpu::{Context, Kernel, link_source};
+use joton::layout::PassInfo;
 use joton::pack::PackedScene;
+use joton::plan::{Plan, Settings};
+use rayon::prelude::*;
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
 
-/// Rays of a measurement: enough to cover a scene, few enough to take milliseconds.
-const RAYS: u32 = 4096;
+/// Rays of a measurement: enough to keep a device busy, few enough to take a fraction of a second on two cores.
+const RAYS: u32 = 1 << 17;
 /// Edges of the icosahedron are cut into this many: 20 · 100² = 200,000 triangles.
 const FREQUENCY: u32 = 100;
-
-/// A triangle by its corners.
-struct Corners([Vec3; 3]);
-
-impl Edges for Corners {
-    fn edges(&self) -> [Vec3; 3] {
-        let [a, b, c] = self.0;
-        [a, b - a, c - a]
-    }
-}
 
 /// A geodesic sphere of radius 1: the faces of an icosahedron, each cut into FREQUENCY² triangles.
 fn icosphere() -> Vec<[Vec3; 3]> {
@@ -65,55 +64,94 @@ fn subdivide([a, b, c]: [Vec3; 3], triangles: &mut Vec<[Vec3; 3]>) {
     }
 }
 
-/// Rays from random points in a box to random points in it.
+/// Rays from random points in a box to random points in it: origin and unit direction.
 fn rays([lo, hi]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
     let point = |i: u32, which: u32| {
         let [x, y, z, _] = joton::rng::random4(1, 0, i, which);
         lo + (hi - lo) * Vec3::new(x, y, z)
     };
-    (0..RAYS).map(|i| [point(i, 0), point(i, 1)]).collect()
+    (0..RAYS).map(|i| [point(i, 0), (point(i, 1) - point(i, 0)).normalize()]).collect()
 }
 
 fn traversal(c: &mut Criterion) {
     let mut group = c.benchmark_group("traversal");
     group.throughput(Throughput::Elements(u64::from(RAYS)));
-    group.sample_size(20).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
-
+    group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
+    let context = Context::open(None);
+    if let Err(e) = &context {
+        eprintln!("traversal: the device is left out, {e}");
+    }
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
-    let scene = PackedScene::new(&joton::scene::load(&file).expect("the scene"));
-    measure(&mut group, "cornell", &scene.bvh, &scene.triangles, &rays(scene.bounds));
-
-    let vertices = icosphere();
-    assert_eq!(vertices.len(), 200_000);
-    let (bvh, order) = Bvh::build(&vertices);
-    let triangles: Vec<Corners> = order.iter().map(|&i| Corners(vertices[i as usize])).collect();
-    measure(&mut group, "icosphere 200k", &bvh, &triangles, &rays([Vec3::splat(-1.0), Vec3::ONE]));
+    let cornell = PackedScene::new(&joton::scene::load(&file).expect("the scene"));
+    let mut sphere = scenes::Builder::new([0.; 3], [0., 0., 1.], [0., 1., 0.], 1.0, 1);
+    let material = sphere.matte(0.5);
+    let triangles = icosphere();
+    assert_eq!(triangles.len(), 200_000);
+    for corners in triangles {
+        sphere.triangle(corners.map(|v| v.as_dvec3()), material);
+    }
+    for (name, scene) in [("cornell", &cornell), ("icosphere 200k", &PackedScene::new(&sphere.scene))] {
+        let rays = rays(scene.bounds);
+        group.bench_function(format!("host, closest, {name}"), |b| {
+            b.iter(|| {
+                let hit = |[o, d]: &[Vec3; 2]| scene.bvh.closest(&scene.triangles, *o, *d, f32::INFINITY);
+                black_box(rays.par_iter().filter(|r| hit(r).is_some()).count())
+            });
+        });
+        group.bench_function(format!("host, occluded, {name}"), |b| {
+            b.iter(|| {
+                let hit = |[o, d]: &[Vec3; 2]| scene.bvh.occluded(&scene.triangles, *o, *d, 1e3);
+                black_box(rays.par_iter().filter(|r| hit(r)).count())
+            });
+        });
+        if let Ok(context) = &context {
+            on_device(&mut group, context, name, scene, &rays).unwrap_or_else(|e| panic!("{e}"));
+        }
+    }
     group.finish();
 }
 
-fn measure<T: Edges>(
+/// The nearest hits by the kernels' traversal, the scene bound as a render binds it.
+fn on_device(
     group: &mut BenchmarkGroup<'_, WallTime>,
-    scene: &str,
-    bvh: &Bvh,
-    triangles: &[T],
+    context: &Context,
+    name: &str,
+    scene: &PackedScene,
     rays: &[[Vec3; 2]],
-) {
-    group.bench_function(format!("closest, {scene}"), |b| {
-        b.iter(|| {
-            let hit = |[from, to]: &[Vec3; 2]| {
-                bvh.closest(triangles, *from, (to - from).normalize(), f32::INFINITY).is_some()
-            };
-            black_box(rays.iter().filter(|r| hit(r)).count())
-        });
-    });
-    group.bench_function(format!("occluded, {scene}"), |b| {
-        b.iter(|| {
-            let hit = |[from, to]: &[Vec3; 2]| {
-                bvh.occluded(triangles, *from, (to - from).normalize(), from.distance(*to))
-            };
-            black_box(rays.iter().filter(|r| hit(r)).count())
-        });
-    });
+) -> joton::Result<()> {
+    let file = if joton::gpu::harness::is_small(context, scene) { "scene_small" } else { "scene" };
+    let text = format!(
+        "// import: shared/{file}.wgsl
+// import: shared/intersect.wgsl
+// import: shared/index.wgsl
+         @group(1) @binding(0) var<storage, read> rays: array<vec4<f32>>;
+         @group(1) @binding(1) var<storage, read_write> hits: array<u32>;
+         @compute @workgroup_size(64)
+         fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{
+             let i = linear_index(id, groups);
+             if i < arrayLength(&hits) {{
+                 hits[i] = traverse(rays[2u * i].xyz, rays[2u * i + 1u].xyz, 1e30, false).triangle;
+             }}
+         }}"
+    );
+    let kernel = Kernel::from_source(context, "traversal", &link_source(&text)?, "main", &[])?;
+    let mut harness = Harness::with_scene(context, scene, &Plan::new(scene, Settings::default()))?;
+    let words: Vec<[f32; 4]> = rays.iter().flatten().map(|v| [v.x, v.y, v.z, 0.0]).collect();
+    harness.storage("rays", &words);
+    harness.storage("hits", &vec![0u32; rays.len()]);
+    let pass: PassInfo = bytemuck::Zeroable::zeroed();
+    let mut run = || {
+        let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
+        harness.run(&kernel, &[], &at, Work::Invocations(RAYS)).unwrap_or_else(|e| panic!("{e}"));
+    };
+    group.bench_function(format!("device, closest, {name}"), |b| b.iter(&mut run));
+    // what was measured is what the host finds
+    let hits: Vec<u32> = harness.read("hits")?;
+    let found =
+        rays.iter().map(|[o, d]| scene.bvh.closest(&scene.triangles, *o, *d, f32::INFINITY).is_some());
+    let other = hits.iter().zip(found).filter(|&(&hit, host)| (hit != u32::MAX) != host).count();
+    assert!(other * 10_000 < rays.len(), "{other} rays of {} hit on one side only", rays.len());
+    Ok(())
 }
 
 criterion_group!(benches, traversal);

@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use bytemuck::Pod;
 use std::collections::HashMap;
 
-pub use scene_buffers::encode as encode_direction;
+pub use scene_buffers::{encode as encode_direction, is_small};
 
 /// How much of a kernel is run.
 #[derive(Debug, Clone, Copy)]

@@ -69,7 +69,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
 }
 
 /// True for a scene that fits into uniform buffers.
-pub(super) fn is_small(context: &Context, scene: &PackedScene) -> bool {
+pub fn is_small(context: &Context, scene: &PackedScene) -> bool {
     let fits = |count: usize, most: u32| count <= most as usize;
     context.limits.max_uniform_buffer_binding_size >= SMALL_BYTES
         && fits(scene.bvh.nodes().len() * NODE_WORDS, SMALL_NODE_WORDS)
