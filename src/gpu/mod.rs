@@ -33,7 +33,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
-const JOTONS_PER_LANE_SOFTWARE: u32 = 32;
+const JOTONS_PER_LANE_SOFTWARE: u32 = 64;
 /// On a GPU thousands of lanes run together.
 const JOTONS_PER_LANE: u32 = 4;
 /// Room for lanes that store more than the pilot's fullest one.
