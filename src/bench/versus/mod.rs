@@ -1,0 +1,130 @@
+//! Versus: other renderers from the Python package index measured on the same scene in the same sitting.
+//!
+//! Each has a driver in Python here, which renders an exported scene and tells of its pictures line by line
+//! (`line`); `measure` runs it and compares the pictures as joton's own are.
+
+mod line;
+mod run;
+
+pub use line::Line;
+pub use run::{PeerScene, check, measure};
+
+use crate::error::{Error, Result};
+
+/// Where an algorithm can be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Fit {
+    /// Everywhere, and it is worth a look everywhere.
+    All,
+    /// It misses light or has nothing to offer where surfaces mirror or refract.
+    Matte,
+    /// It is made for caustics.
+    Specular,
+}
+
+/// An algorithm of another renderer.
+#[derive(Debug, PartialEq, Eq)]
+struct Mode {
+    name: &'static str,
+    fit: Fit,
+    /// It misses light where surfaces mirror or refract.
+    blind: bool,
+}
+
+/// Another renderer.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Renderer {
+    /// As in `--versus`.
+    pub name: &'static str,
+    /// What pip installs.
+    pub package: &'static str,
+    /// Its driver: file name and text.
+    driver: (&'static str, &'static str),
+    modes: &'static [Mode],
+}
+
+/// What the drivers share: file name and text.
+const DRIVING: (&str, &str) = ("driving.py", include_str!("driving.py"));
+
+/// All that there are drivers for.
+pub const RENDERERS: [Renderer; 2] = [
+    Renderer {
+        name: "mitsuba",
+        package: "mitsuba",
+        driver: ("drive_mitsuba.py", include_str!("drive_mitsuba.py")),
+        modes: &[
+            Mode { name: "path", fit: Fit::All, blind: false },
+            // light that reaches the eye over a mirror or through glass cannot be splatted
+            Mode { name: "ptracer", fit: Fit::Matte, blind: true },
+        ],
+    },
+    Renderer {
+        name: "luxcore",
+        package: "pyluxcore",
+        driver: ("drive_luxcore.py", include_str!("drive_luxcore.py")),
+        modes: &[
+            Mode { name: "path", fit: Fit::Matte, blind: false },
+            Mode { name: "photongi", fit: Fit::Specular, blind: false },
+            Mode { name: "bidirvm", fit: Fit::Specular, blind: false },
+        ],
+    },
+];
+
+/// A word of `--versus`: a renderer with the algorithms that fit the scene, or with the one that is named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// The renderer.
+    pub renderer: &'static Renderer,
+    mode: Option<&'static Mode>,
+}
+
+impl Choice {
+    /// Read a word: `mitsuba`, or `mitsuba-path`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the words that there are.
+    pub fn parse(word: &str) -> Result<Self> {
+        let found = RENDERERS.iter().find_map(|renderer| {
+            let rest = word.strip_prefix(renderer.name)?;
+            if rest.is_empty() {
+                return Some(Self { renderer, mode: None });
+            }
+            let mode = renderer.modes.iter().find(|m| rest.strip_prefix('-') == Some(m.name))?;
+            Some(Self { renderer, mode: Some(mode) })
+        });
+        found.ok_or_else(|| {
+            let names = RENDERERS.iter().flat_map(|r| {
+                std::iter::once(r.name.to_string())
+                    .chain(r.modes.iter().map(|m| format!("{}-{}", r.name, m.name)))
+            });
+            let names: Vec<String> = names.collect();
+            Error::usage(
+                format!("--versus {word}: not a renderer"),
+                format!("there are {}", names.join(", ")),
+            )
+        })
+    }
+
+    /// Names of the algorithms to run on a scene that has specular surfaces or none.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where the one that is named would miss light.
+    pub fn modes(&self, scene: &str, specular: bool) -> Result<Vec<&'static str>> {
+        if let Some(mode) = self.mode {
+            if mode.blind && specular {
+                let what = format!(
+                    "--versus {}-{} misses what {scene} shows in mirrors and glass",
+                    self.renderer.name, mode.name
+                );
+                return Err(Error::usage(what, "leave it out for this scene"));
+            }
+            return Ok(vec![mode.name]);
+        }
+        let fits = |m: &&Mode| match m.fit {
+            Fit::All => true,
+            Fit::Matte => !specular,
+            Fit::Specular => specular,
+        };
+        Ok(self.renderer.modes.iter().filter(fits).map(|m| m.name).collect())
+    }
+}
