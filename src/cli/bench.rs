@@ -79,8 +79,6 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
         .enumerate()
         .map(|(i, (s, r))| load(a, s, r.map(PathBuf::as_path), versus.as_ref().map(|v| (v, i))))
         .collect::<Result<_>>()?;
-    let devices = if a.device.is_empty() { all_devices() } else { a.device.clone() };
-
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     ctrlc::set_handler(move || {
@@ -90,23 +88,61 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
     })
     .ok();
     let stopped = || interrupted.load(Ordering::SeqCst);
+    say(HEADING);
+    let mut found = Found::default();
+    let measured = measure_all(a, &times, &scenes, versus.as_ref(), stopped, &mut found);
+    // what was found before something failed took its time
+    if measured.is_ok() || !found.rows.is_empty() {
+        if a.seeds > 1 {
+            say_parts(&found.summaries);
+        }
+        output::write_text(&files[0], &runs_csv(&found.rows))?;
+        output::write_text(&files[1], &summary_csv(&found.summaries))?;
+        let plot = error_plot(&found.summaries).map_err(|e| Error::io(&files[2], "write", e))?;
+        output::write_text(&files[2], &plot)?;
+    }
+    measured?;
+    Ok(if stopped() { INTERRUPTED } else { DONE })
+}
+
+/// What was measured so far.
+#[derive(Default)]
+struct Found {
+    rows: Vec<Row>,
+    summaries: Vec<Summary>,
+}
+
+impl Found {
+    fn add(&mut self, (rows, summaries): (Vec<Row>, Vec<Summary>)) {
+        self.rows.extend(rows);
+        self.summaries.extend(summaries);
+    }
+}
+
+/// Each scene on each device and with each other renderer.
+fn measure_all(
+    a: &BenchArguments,
+    times: &[f64],
+    scenes: &[Loaded],
+    versus: Option<&Versus>,
+    stopped: impl Fn() -> bool + Copy,
+    found: &mut Found,
+) -> Result<()> {
+    let devices = if a.device.is_empty() { all_devices() } else { a.device.clone() };
     let see = |row: &Row| {
         say(line_of(row));
         !stopped()
     };
-    say(HEADING);
-    let (mut rows, mut summaries): (Vec<Row>, Vec<Summary>) = (Vec::new(), Vec::new());
-    'all: for scene in &scenes {
+    for scene in scenes {
         let subject_on = |device| Subject {
             scene: &scene.name,
             device,
             size: scene.packed.size,
             reference: scene.reference.as_ref(),
-            times: &times,
+            times,
             seeds: a.seeds,
         };
         for device in &devices {
-            let subject = subject_on(device);
             let open = |seed| {
                 let mut plan = scene.plan.clone();
                 plan.settings.seed = seed;
@@ -118,31 +154,19 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
                 }
                 Ok(backend)
             };
-            let (new_rows, new_summaries) = measure(&subject, open, see)?;
-            rows.extend(new_rows);
-            summaries.extend(new_summaries);
+            found.add(measure(&subject_on(device), open, see)?);
             if stopped() {
-                break 'all;
+                return Ok(());
             }
         }
-        if let (Some(versus), Some(peer)) = (&versus, &scene.peer) {
-            versus.measure(&subject_on(""), peer, see, stopped, |new_rows, new_summaries| {
-                rows.extend(new_rows);
-                summaries.extend(new_summaries);
-            })?;
+        if let (Some(versus), Some(peer)) = (versus, &scene.peer) {
+            versus.measure(&subject_on(""), peer, see, stopped, |new| found.add(new))?;
             if stopped() {
-                break 'all;
+                return Ok(());
             }
         }
     }
-    if a.seeds > 1 {
-        say_parts(&summaries);
-    }
-    output::write_text(&files[0], &runs_csv(&rows))?;
-    output::write_text(&files[1], &summary_csv(&summaries))?;
-    let plot = error_plot(&summaries).map_err(|e| Error::io(&files[2], "write", e))?;
-    output::write_text(&files[2], &plot)?;
-    Ok(if stopped() { INTERRUPTED } else { DONE })
+    Ok(())
 }
 
 /// The times in ascending order, each once.

@@ -1,7 +1,7 @@
 //! `joton bench --versus`: the other renderers of a bench, and the scenes as they read them.
 
 use super::tell;
-use joton::bench::versus::{self, Choice, PeerScene};
+use joton::bench::versus::{self, Choice, PeerScene, Traits};
 use joton::bench::{Row, Subject, Summary};
 use joton::export::{Exported, write_mitsuba};
 use joton::scene::Scene;
@@ -67,9 +67,10 @@ impl Versus {
     /// Renderers and their algorithms for a scene.
     fn devices(&self, scene: &Path, exported: &Exported) -> Result<Vec<(Choice, &'static str)>> {
         let name = scene.display().to_string();
+        let traits = Traits { specular: exported.specular, spots: exported.spots };
         let mut all: Vec<(Choice, &'static str)> = Vec::new();
         for choice in &self.choices {
-            for mode in choice.modes(&name, exported.specular)? {
+            for mode in choice.modes(&name, traits)? {
                 if !all.iter().any(|(c, m)| c.renderer == choice.renderer && *m == mode) {
                     all.push((*choice, mode));
                 }
@@ -78,14 +79,14 @@ impl Versus {
         Ok(all)
     }
 
-    /// Measure a scene with each; `collect` takes what was found and returns false to stop.
+    /// Measure a scene with each; `collect` takes what was found.
     pub(super) fn measure(
         &self,
         subject: &Subject<'_>,
         peer: &Peer,
         mut see: impl FnMut(&Row) -> bool,
         stopped: impl Fn() -> bool,
-        mut collect: impl FnMut(Vec<Row>, Vec<Summary>),
+        mut collect: impl FnMut((Vec<Row>, Vec<Summary>)),
     ) -> Result<()> {
         let scene = PeerScene { file: &peer.file, extent: peer.exported.extent, folder: self.folder.path() };
         for (choice, mode) in self.devices(Path::new(subject.scene), &peer.exported)? {
@@ -93,7 +94,7 @@ impl Versus {
             let subject = Subject { device: &device, ..*subject };
             let found =
                 versus::measure(&subject, choice.renderer, mode, &self.python, scene, &mut see, &stopped)?;
-            collect(found.0, found.1);
+            collect(found);
             if stopped() {
                 break;
             }

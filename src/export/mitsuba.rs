@@ -71,12 +71,6 @@ fn bsdf(bsdf: &Bsdf, id: &str) -> String {
     match bsdf {
         Bsdf::Diffuse(kd) => two_sided(diffuse(kd)),
         Bsdf::Mirror(ks) => two_sided(mirror(ks)),
-        Bsdf::Blend { weight, diffuse: kd, mirror: ks } => two_sided(format!(
-            "<bsdf type=\"blendbsdf\">{}{}{}</bsdf>",
-            float("weight", *weight),
-            diffuse(kd),
-            mirror(ks)
-        )),
         Bsdf::Dielectric(d) => format!(
             "<bsdf type=\"dielectric\" id=\"{id}\">{}{}{}{}</bsdf>",
             float("int_ior", d.ior),

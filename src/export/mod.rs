@@ -12,7 +12,7 @@ pub use subset::Bsdf;
 
 use crate::error::{Error, Result};
 use crate::output;
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use std::path::{Path, PathBuf};
 
 /// What was written, and what a renderer may want to know beforehand.
@@ -24,6 +24,8 @@ pub struct Exported {
     pub extent: f64,
     /// Whether some surface mirrors or refracts.
     pub specular: bool,
+    /// Whether there is a spot.
+    pub spots: bool,
 }
 
 /// Write a scene as Mitsuba 3 XML at `out`, for its rgb variants, and its meshes as PLY beside it. `source` is what
@@ -51,7 +53,8 @@ pub fn write_mitsuba(scene: &Scene, source: &Path, out: &Path) -> Result<Exporte
     output::write_text(out, &text)?;
     files.push(out.to_owned());
     let specular = shapes.iter().any(|s| !matches!(s.bsdf, Bsdf::Diffuse(_)));
-    Ok(Exported { files, extent, specular })
+    let spots = lights.iter().any(|l| matches!(l, Light::Spot { .. }));
+    Ok(Exported { files, extent, specular, spots })
 }
 
 /// What other renderers cannot be told exactly: where, what, and what to do.

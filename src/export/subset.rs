@@ -1,10 +1,13 @@
 //! Subset: the materials and lights that have an exact counterpart in Mitsuba and LuxCore; the rest is refused.
 
 use super::unsupported;
-use crate::bands::{BLACK, Bands, is_black, max, scale};
+use crate::bands::{BLACK, Bands, is_black};
 use crate::error::Result;
 use crate::scene::{Dielectric, Light, Material, Scene};
 use std::path::Path;
+
+/// What to do about a material of several lobes.
+const ONE_LOBE: &str = "make it matte or a mirror: a [[material]] with type in the scene file";
 
 /// What a material is in the words of other renderers. Emission comes on top of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,16 +16,6 @@ pub enum Bsdf {
     Diffuse(Bands),
     /// A perfect mirror on both sides.
     Mirror(Bands),
-    /// Both at once: the mirror with this weight, the Lambertian lobe with what is left; `diffuse` and `mirror` are
-    /// already divided by their weights.
-    Blend {
-        /// Share of the mirror.
-        weight: f32,
-        /// Lambertian reflectance over 1 − `weight`.
-        diffuse: Bands,
-        /// Mirror reflectance over `weight`.
-        mirror: Bands,
-    },
     /// The boundary of a transparent body, which is behind the front.
     Dielectric(Dielectric),
 }
@@ -40,33 +33,17 @@ impl Bsdf {
             return Ok(Self::Dielectric(dielectric));
         }
         if !is_black(&material.glossy) {
-            return refuse(
-                "its glossy lobe (Phong) has no counterpart in other renderers",
-                "make it matte or a mirror: a [[material]] with type in the scene file",
-            );
+            return refuse("its glossy lobe (Phong) has no counterpart in other renderers", ONE_LOBE);
         }
-        let (diffuse, mirror) = (max(&material.diffuse), max(&material.specular));
-        if mirror == 0.0 {
-            return Ok(Self::Diffuse(material.diffuse));
+        match (is_black(&material.diffuse), is_black(&material.specular)) {
+            (_, true) => Ok(Self::Diffuse(material.diffuse)),
+            (true, false) => Ok(Self::Mirror(material.specular)),
+            // Mitsuba's blendbsdf weighs a mirror's direction by the Lambertian lobe, too, and changes its colour
+            (false, false) => refuse(
+                "its sum of a matte and a mirror lobe has no exact counterpart in other renderers",
+                ONE_LOBE,
+            ),
         }
-        if diffuse == 0.0 {
-            return Ok(Self::Mirror(material.specular));
-        }
-        if diffuse + mirror > 1.0 {
-            return refuse(
-                "its diffuse and mirror reflectances, each in its largest band, exceed 1 together, which other \
-                 renderers cannot blend",
-                "lower Kd or Ks",
-            );
-        }
-        let weight = mirror / (diffuse + mirror);
-        // rounding may lead past 1, which is refused there
-        let over = |c: &Bands, share: f32| scale(c, 1.0 / share).map(|x| x.min(1.0));
-        Ok(Self::Blend {
-            weight,
-            diffuse: over(&material.diffuse, 1.0 - weight),
-            mirror: over(&material.specular, weight),
-        })
     }
 
     /// Whether it is black: nothing but emission comes from it.

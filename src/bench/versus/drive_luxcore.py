@@ -6,6 +6,7 @@ and taken off. Filling the photon cache is rendering and counts.
 """
 
 import array
+import math
 import os
 import sys
 import time
@@ -74,16 +75,6 @@ def material(name, bsdf):
             f"{name}.interiorior": float(value(bsdf, "int_ior")),
             f"{name}.exteriorior": float(value(bsdf, "ext_ior")),
         }
-    if kind == "blendbsdf":
-        first, second = bsdf.findall("bsdf")
-        return {
-            **material(f"{name}a", first),
-            **material(f"{name}b", second),
-            f"{name}.type": "mix",
-            f"{name}.material1": f"{name}a",
-            f"{name}.material2": f"{name}b",
-            f"{name}.amount": float(value(bsdf, "weight")),
-        }
     raise ValueError(f"BSDF {kind} is not known")
 
 
@@ -97,7 +88,8 @@ def light(name, emitter):
             **common,
             f"{name}.type": "point",
             f"{name}.position": [float(position.get(axis)) for axis in "xyz"],
-            f"{name}.color": bands(emitter, "intensity"),
+            # flux: the intensity in all directions
+            f"{name}.color": [4 * math.pi * band for band in bands(emitter, "intensity")],
         }
     if kind == "directional":
         direction = child(emitter, "direction")
@@ -106,17 +98,6 @@ def light(name, emitter):
             f"{name}.type": "sharpdistant",
             f"{name}.direction": [float(direction.get(axis)) for axis in "xyz"],
             f"{name}.color": bands(emitter, "irradiance"),
-        }
-    if kind == "spot":
-        position, target, _ = look_at(emitter)
-        return {
-            **common,
-            f"{name}.type": "spot",
-            f"{name}.position": position,
-            f"{name}.target": target,
-            f"{name}.coneangle": float(value(emitter, "cutoff_angle")),
-            f"{name}.conedeltaangle": 0.0,
-            f"{name}.color": bands(emitter, "intensity"),
         }
     raise ValueError(f"emitter {kind} is not known")
 

@@ -53,7 +53,7 @@ class Ladder:
     def picture(self, times, samples, image):
         """Hand over a picture: bytes of f32, little-endian, RGB, row 0 at the top. It belongs to the last step that
         was reached; slow renderers may skip some."""
-        seconds, cpu_seconds = times
+        seconds, cpu_seconds = (float(t) for t in times)
         self.done = sum(t <= cpu_seconds for t in self.times)
         name = f"{self.seed}-{self.done}.raw"
         with open(os.path.join(self.folder, name), "wb") as f:

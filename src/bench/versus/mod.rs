@@ -31,6 +31,15 @@ struct Mode {
     blind: bool,
 }
 
+/// What decides which renderers and algorithms a scene is for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traits {
+    /// Some surface mirrors or refracts.
+    pub specular: bool,
+    /// There is a spot.
+    pub spots: bool,
+}
+
 /// Another renderer.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Renderer {
@@ -41,6 +50,8 @@ pub struct Renderer {
     /// Its driver: file name and text.
     driver: (&'static str, &'static str),
     modes: &'static [Mode],
+    /// Its spots are as bright in all directions as ours.
+    spots: bool,
 }
 
 /// What the drivers share: file name and text.
@@ -57,6 +68,7 @@ pub const RENDERERS: [Renderer; 2] = [
             // light that reaches the eye over a mirror or through glass cannot be splatted
             Mode { name: "ptracer", fit: Fit::Matte, blind: true },
         ],
+        spots: true,
     },
     Renderer {
         name: "luxcore",
@@ -67,6 +79,8 @@ pub const RENDERERS: [Renderer; 2] = [
             Mode { name: "photongi", fit: Fit::Specular, blind: false },
             Mode { name: "bidirvm", fit: Fit::Specular, blind: false },
         ],
+        // brighter by one over the cosine off the axis
+        spots: false,
     },
 ];
 
@@ -105,11 +119,16 @@ impl Choice {
         })
     }
 
-    /// Names of the algorithms to run on a scene that has specular surfaces or none.
+    /// Names of the algorithms to run on a scene.
     ///
     /// # Errors
-    /// [`Error::Usage`] where the one that is named would miss light.
-    pub fn modes(&self, scene: &str, specular: bool) -> Result<Vec<&'static str>> {
+    /// [`Error::Usage`] where the renderer would show something else, or the algorithm that is named miss light.
+    pub fn modes(&self, scene: &str, traits: Traits) -> Result<Vec<&'static str>> {
+        if traits.spots && !self.renderer.spots {
+            let what = format!("--versus {}: its spots are not those of {scene}", self.renderer.name);
+            return Err(Error::usage(what, "leave it out for this scene"));
+        }
+        let specular = traits.specular;
         if let Some(mode) = self.mode {
             if mode.blind && specular {
                 let what = format!(
