@@ -56,8 +56,9 @@ fn shape<'a>(
     let material = &scene.materials[material_index as usize];
     let bsdf = Bsdf::of(material, source)?;
     // others take the cosine of emission from the shading normal; on a black surface nothing else asks for it
-    let smooth = smooth && !(bsdf.is_black() && !is_black(&material.emission));
-    if smooth && !is_black(&material.emission) {
+    let emits = !is_black(&material.emission);
+    let smooth = smooth && !(emits && bsdf.is_black());
+    if smooth && emits {
         return Err(unsupported(
             source,
             format!(

@@ -147,3 +147,44 @@ impl Choice {
         Ok(self.renderer.modes.iter().filter(fits).map(|m| m.name).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Choice, RENDERERS, Traits};
+
+    const MATTE: Traits = Traits { specular: false, spots: false };
+    const SPECULAR: Traits = Traits { specular: true, spots: false };
+    const SPOTS: Traits = Traits { specular: false, spots: true };
+
+    fn choice(word: &str) -> Choice {
+        Choice::parse(word).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// Every name that an error offers is one, and stands for what it says.
+    #[test]
+    fn words_name_renderers_and_algorithms() {
+        for renderer in &RENDERERS {
+            assert_eq!(choice(renderer.name).renderer, renderer);
+            for mode in renderer.modes {
+                let named = choice(&format!("{}-{}", renderer.name, mode.name));
+                assert_eq!(named.modes("a scene", MATTE).expect("no light is missed"), [mode.name]);
+            }
+        }
+        for wrong in ["", "mitsuba-", "mitsubapath", "mitsuba-photongi", "Mitsuba", "luxcore path"] {
+            assert!(Choice::parse(wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn algorithms_fit_the_scene() {
+        let modes = |word: &str, traits| choice(word).modes("a scene", traits);
+        assert_eq!(modes("mitsuba", MATTE).expect("some"), ["path", "ptracer"]);
+        assert_eq!(modes("mitsuba", SPECULAR).expect("some"), ["path"]);
+        assert_eq!(modes("luxcore", MATTE).expect("some"), ["path"]);
+        assert_eq!(modes("luxcore", SPECULAR).expect("some"), ["photongi", "bidirvm"]);
+        assert_eq!(modes("luxcore-path", SPECULAR).expect("slow, but it sees all"), ["path"]);
+        assert!(modes("mitsuba-ptracer", SPECULAR).is_err(), "it would miss light");
+        assert_eq!(modes("mitsuba", SPOTS).expect("some"), ["path", "ptracer"]);
+        assert!(modes("luxcore", SPOTS).is_err() && modes("luxcore-path", SPOTS).is_err(), "other spots");
+    }
+}
