@@ -164,8 +164,9 @@ fn check_meshes(written: &Written) {
 #[test]
 fn the_cornell_box_is_written_whole() {
     let mut written = Written::scene("cornell.toml");
-    // across and down differ
+    // across and down differ, and f32 does not hold all digits
     written.scene.resize([64, 32]);
+    written.scene.camera.position.x = 1.0 / 3.0;
     let written = Written::of(written.scene, Path::new("cornell.toml"));
     check_meshes(&written);
     let (scene, xml) = (&written.scene, written.xml());
