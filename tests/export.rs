@@ -233,6 +233,15 @@ fn smooth_bodies_keep_normals_and_index() {
     assert_eq!(written.exported.extent, extent.fold(0.0, f64::max));
 }
 
+/// Along a crease, a vertex has a normal for each side.
+#[test]
+fn a_vertex_may_have_two_normals() {
+    let second = "v 1 1 0\nvn -0.3 0 1\nf 2//2 4//1 3//4\n";
+    let written = export_small(POINT, &format!("{SMOOTH}{second}"), "newmtl a\nKd 0.5 0.5 0.5\nillum 1\n");
+    assert!(written.scene.mesh.triangles.iter().all(|t| t.normal.is_some()), "a scene for this test");
+    check_meshes(&written);
+}
+
 /// Tints of glass: what reflects and what crosses are told apart.
 #[test]
 fn tints_of_glass_are_told_apart() {
