@@ -26,7 +26,7 @@ pub(super) struct BenchArguments {
     /// gpu, cpu, cpu-reference (the path tracer) or a part of a device's name; may be repeated [default: all].
     #[arg(long)]
     device: Vec<String>,
-    /// Seconds of rendering at which the picture is looked at.
+    /// Seconds of rendering at which the picture is looked at; processor seconds for other renderers.
     #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', default_value = "0.5,1,2,4,8")]
     times: Vec<f64>,
     /// Other renderers to measure beside, by name or by name and algorithm: mitsuba, luxcore, mitsuba-path, …; needs
