@@ -8,7 +8,7 @@ mod ply;
 mod shapes;
 mod subset;
 
-pub use subset::Bsdf;
+use subset::Bsdf;
 
 use crate::error::{Error, Result};
 use crate::output;

@@ -11,7 +11,7 @@ const ONE_LOBE: &str = "make it matte or a mirror: a [[material]] with type in t
 
 /// What a material is in the words of other renderers. Emission comes on top of it.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Bsdf {
+pub(super) enum Bsdf {
     /// Lambertian on both sides.
     Diffuse(Bands),
     /// A perfect mirror on both sides.
@@ -25,7 +25,7 @@ impl Bsdf {
     ///
     /// # Errors
     /// [`crate::Error::Scene`] where there is none.
-    pub fn of(material: &Material, source: &Path) -> Result<Self> {
+    pub(super) fn of(material: &Material, source: &Path) -> Result<Self> {
         let refuse = |what: &str, remedy: &str| {
             Err(unsupported(source, format!("material \"{}\": {what}", material.name), remedy))
         };
@@ -47,7 +47,7 @@ impl Bsdf {
     }
 
     /// Whether it is black: nothing but emission comes from it.
-    pub fn is_black(&self) -> bool {
+    pub(super) fn is_black(&self) -> bool {
         *self == Self::Diffuse(BLACK)
     }
 }
