@@ -8,6 +8,7 @@ pub mod bench;
 pub mod bvh;
 pub mod cpu;
 pub mod error;
+pub mod export;
 pub mod film;
 pub mod gpu;
 mod halves;

@@ -6,7 +6,8 @@ use crate::bands::BANDS;
 /// Names of the bands in columns.
 const BAND: [&str; BANDS] = ["r", "g", "b"];
 
-/// One line for each picture; cells are empty where there was no reference, or no estimate yet.
+/// One line for each picture; cells are empty where there was no reference, no estimate yet, or
+/// where a renderer does not tell.
 pub fn runs_csv(rows: &[Row]) -> String {
     let ratios = BAND.map(|b| format!("mean_ratio_{b}")).join(",");
     let mut text = format!(
@@ -24,8 +25,8 @@ pub fn runs_csv(rows: &[Row]) -> String {
             format!("{:.4}", r.seconds),
             format!("{:.4}", r.cpu_seconds),
             r.passes.to_string(),
-            r.rays.to_string(),
-            r.jotons.to_string(),
+            counted(r.rays),
+            counted(r.jotons),
             optional(r.error_estimate),
             optional(c.map(|c| c.rel_mse)),
             optional(c.map(|c| c.rel_mse_trimmed)),
@@ -62,6 +63,10 @@ pub fn summary_csv(summaries: &[Summary]) -> String {
 
 fn optional(value: Option<f64>) -> String {
     value.map_or(String::new(), |v| format!("{v:.6e}"))
+}
+
+fn counted(value: Option<u64>) -> String {
+    value.map_or(String::new(), |v| v.to_string())
 }
 
 /// A cell with quotes where its text needs them.

@@ -1,10 +1,13 @@
 //! Bench: error over time of each device on each scene, with bias and variance apart where several seeds ran.
 //!
-//! `run` renders and measures, `csv` and `plot` write what it found.
+//! `run` renders and measures, `versus` lets other renderers do so, `ladder` collects what they saw, `csv` and `plot`
+//! write it.
 
 mod csv;
+mod ladder;
 mod plot;
 mod run;
+pub mod versus;
 
 pub use csv::{runs_csv, summary_csv};
 pub use plot::error_plot;
@@ -17,7 +20,8 @@ use crate::output::compare::Comparison;
 pub struct Row {
     /// Name of the scene.
     pub scene: String,
-    /// The device as it was asked for: gpu, cpu, cpu-reference or a part of a name.
+    /// The device as it was asked for: gpu, cpu, cpu-reference or a part of a name; or another renderer and its
+    /// algorithm (mitsuba-path).
     pub device: String,
     /// The device's own words.
     pub device_name: String,
@@ -29,12 +33,12 @@ pub struct Row {
     pub seconds: f64,
     /// Processor seconds of all threads.
     pub cpu_seconds: f64,
-    /// Passes in the picture.
+    /// Passes in the picture; samples a pixel of other renderers.
     pub passes: u64,
-    /// Rays of all kinds.
-    pub rays: u64,
-    /// Jotons emitted.
-    pub jotons: u64,
+    /// Rays of all kinds, where they are counted.
+    pub rays: Option<u64>,
+    /// Jotons emitted; none in other renderers.
+    pub jotons: Option<u64>,
     /// The renderer's own estimate of its relative error, root mean square.
     pub error_estimate: Option<f64>,
     /// Against the reference, where there is one.

@@ -10,7 +10,7 @@ use std::error::Error as StdError;
 /// Size of a panel, pixels.
 const PANEL: (u32, u32) = (640, 440);
 /// Colours that the colour-blind tell apart: Okabe and Ito, "Color Universal Design" (2008).
-const COLOURS: [RGBColor; 7] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -18,6 +18,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(230, 159, 0),
     RGBColor(0, 0, 0),
+    RGBColor(240, 228, 66),
 ];
 /// Room around the points, as a factor.
 const MARGIN: f64 = 1.3;

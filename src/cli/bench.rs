@@ -1,5 +1,6 @@
 //! `joton bench SCENE…`: error over time on each device.
 
+use super::versus::{Peer, Versus};
 use super::{DONE, INTERRUPTED, device, say, tell};
 use clap::Args;
 use joton::bench::{Row, Subject, Summary, error_plot, measure, runs_csv, summary_csv};
@@ -25,9 +26,16 @@ pub(super) struct BenchArguments {
     /// gpu, cpu, cpu-reference (the path tracer) or a part of a device's name; may be repeated [default: all].
     #[arg(long)]
     device: Vec<String>,
-    /// Seconds of rendering at which the picture is looked at.
+    /// Seconds of rendering at which the picture is looked at; processor seconds for other renderers.
     #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', default_value = "0.5,1,2,4,8")]
     times: Vec<f64>,
+    /// Other renderers to measure beside, by name or by name and algorithm: mitsuba, luxcore, mitsuba-path, …; needs
+    /// Python with their packages.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with = "paths")]
+    versus: Vec<String>,
+    /// The Python that runs other renderers [default: python3].
+    #[arg(long, value_name = "PATH", requires = "versus")]
+    python: Option<PathBuf>,
     /// Number of seeds; two or more tell bias and variance apart.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: u32,
@@ -48,6 +56,8 @@ struct Loaded {
     packed: Arc<PackedScene>,
     plan: Plan,
     reference: Option<Image>,
+    /// As other renderers read it, where there are any.
+    peer: Option<Peer>,
 }
 
 pub(super) fn run(a: &BenchArguments) -> Result<u8> {
@@ -60,15 +70,15 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
         let what = format!("{} references for {} scenes", a.reference.len(), a.scenes.len());
         return Err(Error::usage(what, "give one --reference for each scene, in the same order, or none"));
     }
+    let versus = Versus::open(&a.versus, a.python.as_deref())?;
     let references = a.reference.iter().map(Some).chain(std::iter::repeat(None));
     let scenes: Vec<Loaded> = a
         .scenes
         .iter()
         .zip(references)
-        .map(|(s, r)| load(a, s, r.map(PathBuf::as_path)))
+        .enumerate()
+        .map(|(i, (s, r))| load(a, s, r.map(PathBuf::as_path), versus.as_ref().map(|v| (v, i))))
         .collect::<Result<_>>()?;
-    let devices = if a.device.is_empty() { all_devices() } else { a.device.clone() };
-
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     ctrlc::set_handler(move || {
@@ -77,18 +87,62 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
         }
     })
     .ok();
+    let stopped = || interrupted.load(Ordering::SeqCst);
     say(HEADING);
-    let (mut rows, mut summaries): (Vec<Row>, Vec<Summary>) = (Vec::new(), Vec::new());
-    'all: for scene in &scenes {
+    let mut found = Found::default();
+    let measured = measure_all(a, &times, &scenes, versus.as_ref(), stopped, &mut found);
+    // what was found before something failed took its time
+    if measured.is_ok() || !found.rows.is_empty() {
+        if a.seeds > 1 {
+            say_parts(&found.summaries);
+        }
+        output::write_text(&files[0], &runs_csv(&found.rows))?;
+        output::write_text(&files[1], &summary_csv(&found.summaries))?;
+        let plot = error_plot(&found.summaries).map_err(|e| Error::io(&files[2], "write", e))?;
+        output::write_text(&files[2], &plot)?;
+    }
+    measured?;
+    Ok(if stopped() { INTERRUPTED } else { DONE })
+}
+
+/// What was measured so far.
+#[derive(Default)]
+struct Found {
+    rows: Vec<Row>,
+    summaries: Vec<Summary>,
+}
+
+impl Found {
+    fn add(&mut self, (rows, summaries): (Vec<Row>, Vec<Summary>)) {
+        self.rows.extend(rows);
+        self.summaries.extend(summaries);
+    }
+}
+
+/// Each scene on each device and with each other renderer.
+fn measure_all(
+    a: &BenchArguments,
+    times: &[f64],
+    scenes: &[Loaded],
+    versus: Option<&Versus>,
+    stopped: impl Fn() -> bool + Copy,
+    found: &mut Found,
+) -> Result<()> {
+    let devices = if a.device.is_empty() { all_devices() } else { a.device.clone() };
+    let see = |row: &Row| {
+        say(line_of(row));
+        !stopped()
+    };
+    for scene in scenes {
+        let subject_on = |device| Subject {
+            scene: &scene.name,
+            device,
+            size: scene.packed.size,
+            reference: scene.reference.as_ref(),
+            times,
+            seeds: a.seeds,
+        };
         for device in &devices {
-            let subject = Subject {
-                scene: &scene.name,
-                device,
-                size: scene.packed.size,
-                reference: scene.reference.as_ref(),
-                times: &times,
-                seeds: a.seeds,
-            };
             let open = |seed| {
                 let mut plan = scene.plan.clone();
                 plan.settings.seed = seed;
@@ -100,26 +154,19 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
                 }
                 Ok(backend)
             };
-            let see = |row: &Row| {
-                say(line_of(row));
-                !interrupted.load(Ordering::SeqCst)
-            };
-            let (new_rows, new_summaries) = measure(&subject, open, see)?;
-            rows.extend(new_rows);
-            summaries.extend(new_summaries);
-            if interrupted.load(Ordering::SeqCst) {
-                break 'all;
+            found.add(measure(&subject_on(device), open, see)?);
+            if stopped() {
+                return Ok(());
+            }
+        }
+        if let (Some(versus), Some(peer)) = (versus, &scene.peer) {
+            versus.measure(&subject_on(""), peer, see, stopped, |new| found.add(new))?;
+            if stopped() {
+                return Ok(());
             }
         }
     }
-    if a.seeds > 1 {
-        say_parts(&summaries);
-    }
-    output::write_text(&files[0], &runs_csv(&rows))?;
-    output::write_text(&files[1], &summary_csv(&summaries))?;
-    let plot = error_plot(&summaries).map_err(|e| Error::io(&files[2], "write", e))?;
-    output::write_text(&files[2], &plot)?;
-    Ok(if interrupted.load(Ordering::SeqCst) { INTERRUPTED } else { DONE })
+    Ok(())
 }
 
 /// The times in ascending order, each once.
@@ -139,7 +186,12 @@ fn all_devices() -> Vec<String> {
     gpu.into_iter().chain(["cpu", "cpu-reference"]).map(String::from).collect()
 }
 
-fn load(a: &BenchArguments, file: &Path, reference: Option<&Path>) -> Result<Loaded> {
+fn load(
+    a: &BenchArguments,
+    file: &Path,
+    reference: Option<&Path>,
+    versus: Option<(&Versus, usize)>,
+) -> Result<Loaded> {
     let mut scene = joton::scene::load(file)?;
     if let Some(size) = a.size {
         scene.resize(size);
@@ -158,14 +210,15 @@ fn load(a: &BenchArguments, file: &Path, reference: Option<&Path>) -> Result<Loa
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }
+    let peer = versus.map(|(versus, index)| versus.export(&scene, file, index)).transpose()?;
     let packed = Arc::new(PackedScene::new(&scene));
     let plan = Plan::new(&packed, settings);
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Loaded { name, packed, plan, reference })
+    Ok(Loaded { name, packed, plan, reference, peer })
 }
 
 /// Above the lines of [`line_of`].
-const HEADING: &str = "scene            device         seed  seconds  cpu s    passes  Mrays     estimate  relMSE     \
+const HEADING: &str = "scene            device            seed  seconds  cpu s    passes  Mrays     estimate  relMSE     \
                        trimmed    mean ratios";
 
 fn line_of(r: &Row) -> String {
@@ -174,9 +227,9 @@ fn line_of(r: &Row) -> String {
         let ratios: Vec<String> = c.mean_ratio.iter().map(|m| format!("{m:.4}")).collect();
         format!("{:<9.3e}  {:<9.3e}  {}", c.rel_mse, c.rel_mse_trimmed, ratios.join(" "))
     });
-    let rays = r.rays as f64 * 1e-6;
+    let rays = r.rays.map_or("-".into(), |rays| format!("{:.2}", rays as f64 * 1e-6));
     let line = format!(
-        "{:<16} {:<14} {:<5} {:<8.2} {:<8.2} {:<7} {rays:<9.2} {percent:<9} {compared}",
+        "{:<16} {:<17} {:<5} {:<8.2} {:<8.2} {:<7} {rays:<9} {percent:<9} {compared}",
         r.scene, r.device, r.seed, r.seconds, r.cpu_seconds, r.passes
     );
     line.trim_end().into()

@@ -4,8 +4,10 @@ mod bench;
 mod compare;
 mod device;
 mod devices;
+mod export;
 mod plan;
 mod render;
+mod versus;
 
 use clap::{Parser, Subcommand};
 use joton::Result;
@@ -26,6 +28,8 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Compare an image with a reference.
     Compare(compare::CompareArguments),
+    /// Write a scene for other renderers: Mitsuba 3 XML and PLY.
+    Export(export::ExportArguments),
     /// Error over time on each device: CSV and plot.
     Bench(bench::BenchArguments),
     /// List the devices, and which one is chosen.
@@ -45,6 +49,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Command::Render(a) => render::run(&a),
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),
+        Command::Export(a) => export::run(&a),
         Command::Bench(a) => bench::run(&a),
         Command::Devices => devices::run(),
     }

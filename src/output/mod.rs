@@ -15,5 +15,13 @@ pub use atomic::check_writable;
 /// # Errors
 /// [`crate::Error::Io`] where it cannot be written.
 pub fn write_text(path: &std::path::Path, text: &str) -> crate::Result<()> {
-    atomic::write_atomically(path, |sink| sink.write_all(text.as_bytes()).map_err(|e| e.to_string()))
+    write_bytes(path, text.as_bytes())
+}
+
+/// Write a file, whole or not at all.
+///
+/// # Errors
+/// [`crate::Error::Io`] where it cannot be written.
+pub fn write_bytes(path: &std::path::Path, bytes: &[u8]) -> crate::Result<()> {
+    atomic::write_atomically(path, |sink| sink.write_all(bytes).map_err(|e| e.to_string()))
 }

@@ -12,6 +12,7 @@ mod targets;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use emitters::{EmitterKind, PackedEmitter};
+pub(crate) use surfaces::without_copies;
 pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
 pub use targets::Target;
 
@@ -82,7 +83,7 @@ impl PackedScene {
             .iter()
             .map(|t| t.vertex.map(|v| to_internal(scene.mesh.positions[v as usize])))
             .collect();
-        let kept = surfaces::without_copies(scene, &vertices);
+        let kept = without_copies(scene, &vertices);
         let corners: Vec<[Vec3; 3]> = kept.iter().map(|&i| vertices[i as usize]).collect();
         let (bvh, order) = Bvh::build(&corners);
         let order: Vec<u32> = order.into_iter().map(|i| kept[i as usize]).collect();

@@ -169,7 +169,7 @@ pub fn first_corner(vertices: [Vec3; 3]) -> usize {
 
 /// Indices of the triangles without exact copies: same corners in the same turn, same material, no shading normals. One
 /// of them is what a ray meets; the others would only shine once more and make the hierarchy deep.
-pub(super) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
+pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
     let mut seen = HashSet::with_capacity(vertices.len());
     let is_new = |&i: &u32| {
         let t = &scene.mesh.triangles[i as usize];

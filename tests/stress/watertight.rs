@@ -60,7 +60,7 @@ impl Closed {
             0 => [a, b, c][i / 64 % 3],
             1 => a + (b - a) * s,
             2 => 0.5 * (b + c),
-            _ if i / 8 % 16 == 0 => return [from, with_zeros(i / 128)],
+            _ if (i / 8).is_multiple_of(16) => return [from, with_zeros(i / 128)],
             _ => return [from, random_direction(2, i)],
         };
         [from, (target - from).normalize()]

@@ -1,0 +1,63 @@
+//! Export: a scene as other renderers read it, so that they can be compared on the same scene.
+//!
+//! `subset` decides what each material and light is there, or refuses what has no exact counterpart; `shapes` groups
+//! the triangles; `ply` and `mitsuba` write them.
+
+mod mitsuba;
+mod ply;
+mod shapes;
+mod subset;
+
+use subset::Bsdf;
+
+use crate::error::{Error, Result};
+use crate::output;
+use crate::scene::{Light, Scene};
+use std::path::{Path, PathBuf};
+
+/// What was written, and what a renderer may want to know beforehand.
+#[derive(Debug, Clone)]
+pub struct Exported {
+    /// The meshes, then the scene file.
+    pub files: Vec<PathBuf>,
+    /// Longest side of the bounding box, world units.
+    pub extent: f64,
+    /// Whether some surface mirrors or refracts.
+    pub specular: bool,
+    /// Whether there is a spot.
+    pub spots: bool,
+}
+
+/// Write a scene as Mitsuba 3 XML at `out`, for its rgb variants, and its meshes as PLY beside it. `source` is what
+/// errors name.
+///
+/// # Errors
+/// [`Error::Scene`] where something has no exact counterpart, [`Error::Io`] where a file cannot be written.
+pub fn write_mitsuba(scene: &Scene, source: &Path, out: &Path) -> Result<Exported> {
+    let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+    if stem.contains('$') {
+        let what = format!("{}: Mitsuba takes what follows $ for the name of a parameter", out.display());
+        return Err(Error::usage(what, "give a name without $"));
+    }
+    let extent = shapes::extent(scene, source)?;
+    let shapes = shapes::shapes(scene, source)?;
+    let lights = subset::check_lights(scene, source)?;
+    let names: Vec<String> = (0..shapes.len()).map(|i| format!("{stem}.{i}.ply")).collect();
+    let text = mitsuba::text(scene, &shapes, &names, lights);
+    let mut files = Vec::new();
+    for (shape, name) in shapes.iter().zip(&names) {
+        let file = out.with_file_name(name);
+        output::write_bytes(&file, &ply::bytes(shape))?;
+        files.push(file);
+    }
+    output::write_text(out, &text)?;
+    files.push(out.to_owned());
+    let specular = shapes.iter().any(|s| !matches!(s.bsdf, Bsdf::Diffuse(_)));
+    let spots = lights.iter().any(|l| matches!(l, Light::Spot { .. }));
+    Ok(Exported { files, extent, specular, spots })
+}
+
+/// What other renderers cannot be told exactly: where, what, and what to do.
+fn unsupported(source: &Path, what: impl Into<String>, remedy: &str) -> Error {
+    Error::scene(source, None, what, remedy)
+}
