@@ -1,14 +1,17 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
+mod learn;
 mod pilot;
 mod radius;
+mod seen;
 
 pub use pilot::Pilot;
 pub use radius::{Schedule, shrink};
 
 use crate::film::{LAYERS, Layer};
-use crate::pack::PackedScene;
+use crate::pack::{Guide, PackedScene};
 use crate::paths::LightPaths;
+use std::sync::Arc;
 
 /// What the user asked for, as far as it changes the plan.
 #[derive(Debug, Clone)]
@@ -34,6 +37,8 @@ pub struct Plan {
     pub settings: Settings,
     /// What was found by looking at the scene through the camera.
     pub pilot: Pilot,
+    /// What was learned of where the light of caustics comes from.
+    pub guide: Arc<Guide>,
     /// Which of [`Layer::ALL`] is traced.
     pub layers: [bool; LAYERS],
     /// What the kernels must be able to do.
@@ -153,13 +158,17 @@ impl Plan {
             }
         }
 
+        // of the scene and the seed alone: --paths must not change what is learned
+        let traced = layers[Layer::Caustic as usize];
+        let guide = if traced { learn::guide(scene, settings.seed) } else { Guide::default() };
+
         let pixels = scene.pixels() as u32;
         let jotons = |layer: Layer, n: u32, [least, most]: [u32; 2]| {
             if layers[layer as usize] { n.clamp(least, most) } else { 0 }
         };
         let diffuse_wanted = (pixels / 4 * 3).clamp(DIFFUSE_JOTONS[0], DIFFUSE_JOTONS[1]);
         let diffuse_jotons = jotons(Layer::Diffuse, diffuse_wanted, DIFFUSE_JOTONS);
-        let caustic_share = if pilot.aimed { pixels / 2 } else { pixels };
+        let caustic_share = if pilot::aimed(scene, &guide) { pixels / 2 } else { pixels };
         let caustic_jotons = jotons(Layer::Caustic, caustic_share, CAUSTIC_JOTONS);
         let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_wanted)).sqrt();
         let footprint = f64::from(pilot.footprint_median);
@@ -170,6 +179,7 @@ impl Plan {
         let caustic = f64::from(CAUSTIC_FOOTPRINTS[1] * pilot.footprint_large);
         Self {
             settings,
+            guide: Arc::new(guide),
             layers,
             features,
             caustic_jotons,
