@@ -238,8 +238,8 @@ fn what_is_learned_does_not_depend_on_paths() {
     let scene = pool_and_lamps(24, LAMPS);
     let guides = ["L.*E", CAUSTIC, "LSSDE|LDE"].map(|paths| plan(&scene, paths, 3).guide);
     assert!(!guides[0].is_empty());
-    assert_eq!(guides[0], guides[1]);
-    assert_eq!(guides[0], guides[2]);
+    // no dump of tables where they differ
+    assert!(guides[0] == guides[1] && guides[0] == guides[2]);
 }
 
 /// Part of the jotons that are picked by flux, whatever was learned.
