@@ -12,27 +12,37 @@ const WARP_STEPS: u32 = 1 << 16;
 pub const WARP_WORDS: usize = (WARP_BINS + WARP_BINS * WARP_BINS) / 2;
 
 /// Steers the emission of caustic jotons. The default steers nothing.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Guide {
     /// The scene's emitters with pick probabilities of their own, and their warps; empty where they are the scene's.
     emitters: Vec<PackedEmitter>,
     warps: Vec<Warp>,
+    /// Jotons that would be as good without the warps as one is with them.
+    pub gain: f64,
+}
+
+impl Default for Guide {
+    fn default() -> Self {
+        Self { emitters: Vec::new(), warps: Vec::new(), gain: 1.0 }
+    }
 }
 
 impl Guide {
-    /// Pick emitters in proportion to `weights`; `warp_of` tells which of `warps` an emitter has, if any.
+    /// Pick emitters in proportion to `weights`; `warp_of` tells which of `warps` an emitter has, if any, and `gain` what
+    /// the warps are good for.
     pub fn new(
         scene: &[PackedEmitter],
         weights: &[f64],
         warps: Vec<Warp>,
         warp_of: impl Fn(usize) -> Option<usize>,
+        gain: f64,
     ) -> Self {
         let mut emitters = scene.to_vec();
         set_picks(&mut emitters, |i| weights[i]);
         for (i, e) in emitters.iter_mut().enumerate() {
             e.warp = warp_of(i).map_or(0, |w| w as u32 + 1);
         }
-        Self { emitters, warps }
+        Self { emitters, warps, gain }
     }
 
     /// The emitters that caustic jotons are picked from; `scene` where nothing was learned.

@@ -186,6 +186,7 @@ fn steer(scene: &PackedScene, lamps: &[Lamp], total: f64) -> Guide {
         .map(|i| (lamps[i].moment() * number(i).map_or(1.0, |w| learned[w].1.1)).sqrt())
         .collect();
     let found: f64 = worth.iter().sum();
+    let plain: f64 = lamps.iter().map(|l| l.moment().sqrt()).sum();
     let mut weights = Vec::with_capacity(scene.emitters.len());
     let mut warp_of = Vec::with_capacity(scene.emitters.len());
     for (i, lamp) in lamps.iter().enumerate() {
@@ -196,7 +197,7 @@ fn steer(scene: &PackedScene, lamps: &[Lamp], total: f64) -> Guide {
         }
     }
     let warps = learned.into_iter().map(|l| l.1.0).collect();
-    Guide::new(&scene.emitters, &weights, warps, |e| warp_of[e])
+    Guide::new(&scene.emitters, &weights, warps, |e| warp_of[e], (plain / found).powi(2))
 }
 
 /// The warp that lowers the second moment most, and to what part; none where it is not worth it. Each half of the hits

@@ -47,6 +47,8 @@ pub struct Plan {
     pub caustic_jotons: u32,
     /// Jotons emitted a pass for the diffuse map; 0 where it is skipped.
     pub diffuse_jotons: u32,
+    /// Jotons that the disc of a gather point of the caustic map shall hold in the first pass.
+    pub caustic_wanted: f32,
     /// Radius of the caustic map: the largest that a gather point may use in the first pass.
     pub caustic: Schedule,
     /// Radius of the diffuse map; whether it is traced or not, since walls are looked for within it.
@@ -83,8 +85,11 @@ pub struct Skip {
 
 /// A gather point's caustic radius lies between these multiples of its pixel's footprint …
 pub const CAUSTIC_FOOTPRINTS: [f32; 2] = [0.7, 4.0];
-/// … and is chosen so that about this many jotons are found in the pilot pass.
-pub const CAUSTIC_WANTED: f32 = 15.0;
+/// … and is chosen so that about this many jotons are found in the pilot pass where emission is not steered. Where it is,
+/// more are found in the same disc: the radius that serves best then falls, but not so far that as few are left [E14].
+const CAUSTIC_WANTED: f64 = 15.0;
+/// Exponent of the gain in that number: error is least where squared radii go with jotons^(−1/3).
+const WANTED_GAIN: f64 = 2.0 / 3.0;
 /// α of both radii. Squared bias and variance then fall alike, with passes^(−2/3) (Knaus & Zwicker 2011); and radii
 /// differ enough between passes to tell the bias from them [E18].
 const ALPHA: f64 = 2.0 / 3.0;
@@ -179,6 +184,7 @@ impl Plan {
         let caustic = f64::from(CAUSTIC_FOOTPRINTS[1] * pilot.footprint_large);
         Self {
             settings,
+            caustic_wanted: (CAUSTIC_WANTED * guide.gain.powf(WANTED_GAIN)) as f32,
             guide: Arc::new(guide),
             layers,
             features,

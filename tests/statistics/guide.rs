@@ -35,7 +35,7 @@ fn misled(scene: &PackedScene) -> Guide {
     let weights: Vec<f64> =
         (0..count as u32).map(|i| 100f64.powf(joton::rng::random4(8, 0, i, 0)[0].into())).collect();
     let warps = vec![Warp::new(&haphazard(0)), Warp::new(&haphazard(1))];
-    Guide::new(&scene.emitters, &weights, warps, |i| [Some(0), None, Some(1)][i % 3])
+    Guide::new(&scene.emitters, &weights, warps, |i| [Some(0), None, Some(1)][i % 3], 1.0)
 }
 
 /// Two in three bins of a warp's square are hit as often as their weights say, and the density tells it.
@@ -44,7 +44,7 @@ fn warps_draw_by_their_weights() {
     let scene = three_glass_spheres(|b| b.point_light([0.4, 1.2, -0.3], 3.0));
     let weights = [haphazard(0), haphazard(1)];
     let warps: Vec<Warp> = weights.iter().map(|w| Warp::new(w)).collect();
-    let guide = Guide::new(&scene.emitters, &[1.0], warps.clone(), |_| None);
+    let guide = Guide::new(&scene.emitters, &[1.0], warps.clone(), |_| None, 1.0);
     let mut claims = Claims::default();
     let mut claim = |name: String, weights: &[f64], drawn: Vec<([f32; 2], f32)>| {
         let mean = weights.iter().sum::<f64>() / BINS as f64;
