@@ -173,7 +173,7 @@ mod tests {
             if let Some(wi) = sample_d(&m, wo, n, c, [a, b]) {
                 by_lobe += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z / pdf_d(&m, wi, wo, n));
             }
-            let wi = super::sampling::cone([a, b], 0.0);
+            let wi = super::super::sampling::cone([a, b], 0.0);
             by_cone += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z * TAU);
             total_pdf += f64::from(pdf_d(&m, wi, wo, n) * TAU);
             assert!((eval_d(&m, wi, wo, n)[0] - eval_d(&m, wo, wi, n)[0]).abs() < 1e-4);
