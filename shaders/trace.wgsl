@@ -2,7 +2,7 @@
 // A lane traces its jotons one after the other and puts its work away when its step budget is used up: dispatched until
 // all lanes are done. Two variants: the caustic map (L S+ D, emission aimed at the specular bodies) and the diffuse map
 // (everything that met a D before).
-// reads  scene, targets, map_info, path_filter      writes  lanes, jotons (a region for each lane), tallies
+// reads  scene, targets, warps, map_info, path_filter      writes  lanes, jotons (a region for each lane), tallies
 // import: shared/features.wgsl
 // import: shared/index.wgsl
 // import: shared/rng.wgsl
@@ -30,8 +30,8 @@ const LANE_MET_DIFFUSE: u32 = 128u;
 const LANE_DONE: u32 = 256u;
 const LANE_CUT: u32 = 512u;
 const LANE_EVENT: u32 = 0x10000u;
-// Loop iterations of picking an emitter, at most.
-const EMIT_STEPS: u32 = 24u;
+// Loop iterations of picking an emitter and of its warp, at most.
+const EMIT_STEPS: u32 = 34u;
 // Bound of the adjoint correction for shading normals where the geometry grazes.
 const ADJOINT_MAX: f32 = 8.0;
 

@@ -309,7 +309,7 @@ pub const SURVIVAL_MAX: f32 = 0.99;
 
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
-    use crate::pack::{EmitterKind, MaterialFlags, NO_EMITTER, SMOOTH};
+    use crate::pack::{EmitterKind, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS, WARP_WORDS};
     use std::fmt::Write;
     let mut s = String::new();
     let mut u =
@@ -325,6 +325,9 @@ pub fn constants() -> String {
     u("EMITTER_SUN", EmitterKind::Sun as u32);
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
+    u("WARP_BINS", WARP_BINS as u32);
+    u("WARP_VECTORS", (WARP_WORDS / 4) as u32);
+    u("WARPS_VECTORS", (MAX_WARPS * WARP_WORDS / 4) as u32);
     u("BACK_SIDE", BACK_SIDE);
     u("PIXEL_GLINT", PIXEL_GLINT);
     u("STATUS_UNFINISHED", status::UNFINISHED);

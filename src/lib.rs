@@ -14,6 +14,7 @@ pub mod gpu;
 mod halves;
 pub mod layout;
 pub mod memory;
+pub mod optics;
 pub mod output;
 pub mod pack;
 pub mod paths;

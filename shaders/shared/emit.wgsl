@@ -1,8 +1,10 @@
 // Emission: where joton `number` starts, which way, and with what flux.
-// Φ = flux of the emitter / (pick N) by the emitter's own law [E2]; aimed: Le cosθ A / (pick N pdf_solid_angle) [E13].
+// Φ = flux of the emitter / (pick N) by the emitter's own law [E2]; aimed: Le cosθ A / (pick N pdf_solid_angle) [E13]. The emitters
+// of the caustic map have pick probabilities, and some a warp, that were learned [E20].
 // import: shared/rng.wgsl
 // import: shared/emitter.wgsl
-// reads  emitters, targets, map_info, pass_info
+// import: shared/warp.wgsl
+// reads  emitters, targets, warps, map_info, pass_info
 
 struct Start {
     origin: vec3<f32>,
@@ -15,10 +17,15 @@ fn emit(number: u32) -> Start {
     let place_stream = select(STREAM_DIFFUSE_PLACE, STREAM_CAUSTIC_PLACE, CAUSTIC);
     let direction_stream = select(STREAM_DIFFUSE_DIRECTION, STREAM_CAUSTIC_DIRECTION, CAUSTIC);
     let u = sobol2(at, sequence_seed(pass_info.seed, 0u, place_stream));
-    let v = sobol2(at, sequence_seed(pass_info.seed, 0u, direction_stream));
+    var v = sobol2(at, sequence_seed(pass_info.seed, 0u, direction_stream));
     let pick = pick_emitter(u.x, pass_info.emitters);
     let e = emitters[pick.emitter];
-    let share = 1.0 / (e.pick * f32(map_info.emitted));
+    var share = 1.0 / (e.pick * f32(map_info.emitted));
+    if CAUSTIC && e.warp > 0u {
+        let steered = warped(e.warp - 1u, v);
+        v = steered.place;
+        share /= steered.density;
+    }
     if e.kind == EMITTER_SUN {
         return emit_sun(e, vec2(pick.rest, u.y), v, share);
     }

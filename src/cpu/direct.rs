@@ -4,13 +4,13 @@
 //! touches an emitter, each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas
 //! 1995).
 
-use super::bsdf::{eval_d, pdf_d, sample_d};
-use super::emit::{falloff, kind, pick, place_on};
 use super::eye::GatherPoint;
-use super::ray::{Ray, Surface, lift, visible};
 use super::streams::{DIMENSION_BSDF, STREAM_LIGHT};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, mul, scale};
+use crate::optics::bsdf::{eval_d, pdf_d, sample_d};
+use crate::optics::emit::{falloff, kind, pick, place_on};
+use crate::optics::ray::{Ray, Surface, lift, visible};
 use crate::pack::{EmitterKind, NO_EMITTER, PackedScene};
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};

@@ -1,11 +1,11 @@
 //! Eye: a camera ray through specular surfaces to its gather point, and the emission met on the way (E S* L).
 
-use super::bsdf::{Boundary, reflectance_d, sample_mirror};
-use super::ray::{Ray, Surface};
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
 use crate::layout::{SURE_EVENTS, SURVIVAL_MAX};
+use crate::optics::bsdf::{Boundary, reflectance_d, sample_mirror};
+use crate::optics::ray::{Ray, Surface};
 use crate::pack::{PackedMaterial, PackedScene, PackedTriangle};
 use crate::paths::LightPaths;
 use crate::plan::Plan;

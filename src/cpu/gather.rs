@@ -2,14 +2,14 @@
 //! corrected for the boundary [E7, E15].
 
 use super::boundary::Weights;
-use super::bsdf::eval_d;
 use super::clip::Walls;
 use super::eye::GatherPoint;
 use super::kd_tree::{EMPTY, LANES};
 use super::maps::{AreaMap, Four, JotonMap};
-use super::sampling::basis;
 use crate::bands::{BANDS, Bands, add, mul, scale};
 use crate::layout::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE, GATHER_SHEET_SHARE};
+use crate::optics::bsdf::eval_d;
+use crate::optics::sampling::basis;
 use glam::{BVec4A, Vec3, Vec4};
 use std::f32::consts::FRAC_1_PI;
 

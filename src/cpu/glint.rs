@@ -2,12 +2,12 @@
 //! that branch evenly between reflection and refraction find it; a pixel's one eye path would alias it for hundreds of
 //! passes. Only in pixels that a pilot marked; the eye path's own emission counts in the others.
 
-use super::bsdf::sample_mirror;
 use super::eye::{Split, cross, ray_through, survival, wants_emission};
-use super::ray::Surface;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_CHOICE, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, is_black, max, mul, scale};
+use crate::optics::bsdf::sample_mirror;
+use crate::optics::ray::Surface;
 use crate::pack::PackedScene;
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};

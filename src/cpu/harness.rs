@@ -1,12 +1,12 @@
 //! Harness: samplers that the backend keeps to itself, for the tests of their distributions.
 
-use super::bsdf::sample_mirror;
-use super::emit::{self, Start};
 use super::eye::camera_ray;
-use super::ray::Surface;
 use super::streams::*;
 use crate::bands::Bands;
-use crate::pack::{NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
+use crate::optics::bsdf::sample_mirror;
+use crate::optics::emit::{self, Start};
+use crate::optics::ray::Surface;
+use crate::pack::{Guide, NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
 use crate::rng::{sequence_seed, sobol2};
 use glam::Vec3;
 
@@ -28,9 +28,10 @@ pub const STREAMS: [u32; 10] = [
 pub const DIMENSIONS: [u32; 6] =
     [DIMENSION_EYE, DIMENSION_BSDF, DIMENSION_CAUSTIC, DIMENSION_DIFFUSE, DIMENSION_PATH, DIMENSION_GLINT];
 
-/// Origin, direction and flux of joton `index`, of `count` a pass; none where it would carry nothing.
+/// Origin, direction and flux of joton `index`, of `count` a pass, caustic ones by a guide; none where it would carry nothing.
 pub fn emit(
     scene: &PackedScene,
+    guide: &Guide,
     seed: u32,
     caustic: bool,
     index: u32,
@@ -39,7 +40,7 @@ pub fn emit(
     let draw = |stream| sobol2(index, sequence_seed(seed, 0, stream));
     let count = count as f32;
     let start = if caustic {
-        emit::aimed(scene, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)
+        emit::aimed(scene, guide, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)
     } else {
         Some(emit::by_law(scene, draw(STREAM_DIFFUSE_PLACE), draw(STREAM_DIFFUSE_DIRECTION), count))
     };

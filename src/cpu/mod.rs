@@ -5,10 +5,8 @@
 //! order: the same image whatever the number of threads.
 
 mod boundary;
-pub mod bsdf;
 mod clip;
 mod direct;
-mod emit;
 mod eye;
 mod gather;
 mod glint;
@@ -18,8 +16,6 @@ mod kd_tree;
 mod maps;
 mod path_tracer;
 mod pixels;
-mod ray;
-pub mod sampling;
 mod streams;
 mod trace;
 

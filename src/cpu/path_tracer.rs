@@ -3,16 +3,16 @@
 //! Every class of path, caustics included (found by chance). Slow where a path tracer is slow, and unbiased: ground
 //! truth for the maps. Paths are classed and filtered by their events in light order.
 
-use super::bsdf::{Boundary, eval_d, pdf_d, reflectance_d, sample_d, sample_mirror};
 use super::direct::{pdf_light, sample_light};
 use super::eye::camera_ray;
-use super::ray::{Surface, lift, visible};
 use super::streams::DIMENSION_PATH;
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
 use crate::layout::SURVIVAL_MAX;
+use crate::optics::bsdf::{Boundary, eval_d, pdf_d, reflectance_d, sample_d, sample_mirror};
+use crate::optics::ray::{Surface, lift, visible};
 use crate::pack::PackedScene;
 use crate::paths::{Event, LightPaths};
 use crate::plan::Plan;

@@ -11,7 +11,7 @@ use crate::film::{LAYERS, Layer};
 use crate::layout::CLIP_KEPT_MIN;
 use crate::pack::PackedScene;
 use crate::paths::{Event, LightPaths};
-use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
+use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
 use rayon::prelude::*;
 
 /// Side of a tile, pixels.
@@ -181,7 +181,7 @@ pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, pass: u32, map: &Jo
                 return largest;
             }
             let mean = sum as f32 / valid as f32;
-            (largest * (CAUSTIC_WANTED / mean).sqrt()).clamp(smallest, largest)
+            (largest * (plan.caustic_wanted / mean).sqrt()).clamp(smallest, largest)
         })
         .collect()
 }

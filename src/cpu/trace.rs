@@ -4,14 +4,14 @@
 //! full Russian roulette and are stored after their first D event. Flux is stored as it arrives, before the surface's
 //! reflectance, times |wi·Ns|/|wi·Ng|: the gather needs no cosine.
 
-use super::bsdf::{Boundary, eval_d, pdf_d, reflectance_d, sample_d, sample_mirror};
-use super::emit::{Start, aimed, by_law};
 use super::maps::Joton;
-use super::ray::{Ray, Surface};
 use super::streams::*;
 use crate::backend::{Cause, Tally};
 use crate::bands::{BANDS, Bands, max, mul, scale};
-use crate::layout::{SURE_EVENTS, SURVIVAL_MAX};
+use crate::optics::bsdf::{Boundary, eval_d, pdf_d, sample_d, sample_mirror};
+use crate::optics::emit::{Start, aimed, by_law};
+use crate::optics::odds::Odds;
+use crate::optics::ray::{Ray, Surface};
 use crate::pack::PackedScene;
 use crate::paths::{DEAD, Event, LightPaths};
 use crate::plan::Plan;
@@ -60,39 +60,6 @@ struct Tracer<'a> {
     tally: Tally,
 }
 
-/// What a surface does with a joton: the probabilities and reflectances of its events.
-struct Odds {
-    /// Reflectance per band and probability of D, of mirror or reflection, of transmission.
-    ways: [(Bands, f32); 3],
-}
-
-impl Odds {
-    /// p_x = max_b(ρ_x Φ)/max_b(Φ); where the maxima lie in different bands they can exceed one together, and are
-    /// scaled down; late in a path they may not even be one together.
-    fn new(s: &Surface, boundary: Option<&Boundary>, flux: &Bands, event: u32) -> Self {
-        let m = s.material;
-        let reflectances = match boundary {
-            Some(b) => {
-                [reflectance_d(m), scale(&m.specular, b.fresnel), scale(&m.transmission, 1.0 - b.fresnel)]
-            }
-            None => [reflectance_d(m), m.specular, [0.0; BANDS]],
-        };
-        let p = reflectances.map(|r| max(&mul(&r, flux)) / max(flux));
-        let limit = if event < SURE_EVENTS { 1.0 } else { SURVIVAL_MAX };
-        let fit = limit / p.iter().sum::<f32>().max(limit);
-        Self { ways: std::array::from_fn(|i| (reflectances[i], p[i] * fit)) }
-    }
-
-    /// Index of the way that `u` falls on; None is absorption.
-    fn choose(&self, u: f32) -> Option<usize> {
-        let mut below = 0.0;
-        self.ways.iter().position(|&(_, p)| {
-            below += p;
-            p > 0.0 && u < below
-        })
-    }
-}
-
 impl Tracer<'_> {
     fn sobol(&self, i: u32, count: u32, stream: u32) -> [f32; 2] {
         let index = self.pass.wrapping_mul(count).wrapping_add(i);
@@ -103,7 +70,7 @@ impl Tracer<'_> {
     fn caustic(&mut self, i: u32, count: u32) {
         let place = self.sobol(i, count, STREAM_CAUSTIC_PLACE);
         let towards = self.sobol(i, count, STREAM_CAUSTIC_DIRECTION);
-        let Some(start) = aimed(self.scene, place, towards, count as f32) else { return };
+        let Some(start) = aimed(self.scene, &self.plan.guide, place, towards, count as f32) else { return };
         self.follow::<true>(i, start, DIMENSION_CAUSTIC);
     }
 

@@ -181,7 +181,10 @@ impl Map {
         kernels: &MapKernels,
         buffers: &Buffers,
     ) -> Result<Self> {
-        let tallies = if kind == Kind::Caustic { "tallies_caustic" } else { "tallies_diffuse" };
+        let (tallies, emitters) = match kind {
+            Kind::Caustic => ("tallies_caustic", "emitters_caustic"),
+            Kind::Diffuse => ("tallies_diffuse", "emitters"),
+        };
         let scan = |values: &'static str| -> Result<[Step; 3]> {
             let names = [("values", values)];
             Ok([
@@ -209,7 +212,7 @@ impl Map {
             shape,
             key_bits,
             chunk: shape.chunk(context.is_software()),
-            trace: trace.bind(context, buffers, &[("tallies", tallies)])?,
+            trace: trace.bind(context, buffers, &[("tallies", tallies), ("emitters", emitters)])?,
             lane_counts: kernels.lane_counts.bind(context, buffers, &[])?,
             lane_scan: scan("lane_starts")?,
             keys: kernels.keys.bind(context, buffers, &[("keys", "keys_a"), ("places", "places_a")])?,

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::film::Layer;
 use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
 use crate::pack::PackedScene;
-use crate::plan::{CAUSTIC_FOOTPRINTS, CAUSTIC_WANTED, Plan};
+use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
 
 /// The compiled kernels.
 pub(super) struct Kernels {
@@ -56,7 +56,7 @@ impl Kernels {
         let pilot = [
             ("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])),
             ("RADIUS_FOOTPRINTS_MIN", f64::from(CAUSTIC_FOOTPRINTS[0])),
-            ("WANTED", f64::from(CAUSTIC_WANTED)),
+            ("WANTED", f64::from(plan.caustic_wanted)),
         ];
         Ok(Self {
             eye: compile("eye.wgsl")?,

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::layout::{
     AreaPoint, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS, SMALL_NODE_WORDS, SMALL_TRIANGLES,
 };
-use crate::pack::{PackedScene, Target};
+use crate::pack::{MAX_WARPS, PackedScene, Target, WARP_WORDS};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
 use glam::{Vec2, Vec3};
@@ -33,15 +33,24 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     };
     let mut targets = [Target { center: Vec3::ZERO, radius: 0.0 }; TARGETS];
     targets[..scene.targets.len()].copy_from_slice(&scene.targets);
+    let mut warps = vec![0u32; MAX_WARPS * WARP_WORDS];
+    for (place, warp) in warps.chunks_exact_mut(WARP_WORDS).zip(plan.guide.warps()) {
+        place.copy_from_slice(&warp.words());
+    }
     let mut buffers = Buffers::new();
-    let contents: [(&'static str, &[u8]); 5] = [
+    let mut contents: Vec<(&'static str, &[u8])> = vec![
         ("nodes", bytemuck::cast_slice(&nodes)),
         ("triangles", bytemuck::cast_slice(&scene.triangles)),
         ("shading_normals", bytemuck::cast_slice(&normals)),
         ("materials", bytemuck::cast_slice(&scene.materials)),
         ("emitters", bytemuck::cast_slice(&scene.emitters)),
     ];
-    map::check_capacity(context, &contents.map(|(name, bytes)| (name, bytes.len() as u64)))?;
+    if !plan.guide.is_empty() {
+        contents.push(("emitters_caustic", bytemuck::cast_slice(plan.guide.emitters(&scene.emitters))));
+    }
+    let sizes: Vec<(&'static str, u64)> =
+        contents.iter().map(|(n, bytes)| (*n, bytes.len() as u64)).collect();
+    map::check_capacity(context, &sizes)?;
     let small = is_small(context, scene);
     for (name, bytes) in contents {
         let buffer = if small && name != "shading_normals" {
@@ -55,10 +64,14 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         context.queue.write_buffer(&buffer, 0, bytes);
         buffers.insert(name, buffer);
     }
+    let emitters = buffers["emitters"].clone();
+    buffers.entry("emitters_caustic").or_insert(emitters);
     let filter = path_filter(&plan.settings.paths);
-    for (name, bytes) in
-        [("targets", bytemuck::bytes_of(&targets)), ("path_filter", bytemuck::bytes_of(&filter))]
-    {
+    for (name, bytes) in [
+        ("targets", bytemuck::bytes_of(&targets)),
+        ("path_filter", bytemuck::bytes_of(&filter)),
+        ("warps", bytemuck::cast_slice(&warps)),
+    ] {
         let buffer = uniform(context, name, bytes.len() as u64);
         context.queue.write_buffer(&buffer, 0, bytes);
         buffers.insert(name, buffer);

@@ -36,6 +36,7 @@ sources![
     "shared/scatter.wgsl",
     "shared/emitter.wgsl",
     "shared/emit.wgsl",
+    "shared/warp.wgsl",
     "shared/camera.wgsl",
     "shared/survival.wgsl",
     "shared/paths.wgsl",

@@ -43,8 +43,8 @@ gpu_struct! {
         pub pick: f32,
         /// Flux, internal W per band: π A Le; 4π I; the cone's integral; E times the disc's area.
         pub flux: Bands,
-        /// Padding.
-        pub pad: u32,
+        /// Number of the warp that steers its caustic jotons, from 1; 0 where none does.
+        pub warp: u32,
     }
 }
 
@@ -103,7 +103,8 @@ pub(super) fn pack(
             emitters.push(e);
         }
     }
-    set_picks(&mut emitters);
+    let flux: Vec<f64> = emitters.iter().map(|e| sum(&e.flux)).collect();
+    set_picks(&mut emitters, |i| flux[i]);
     emitters
 }
 
@@ -127,27 +128,39 @@ fn emitter(
         strength,
         pick: 0.0,
         flux,
-        pad: 0,
+        warp: 0,
     }
 }
 
 /// Steps of a random number in [0, 1): its 24 bits.
 const PICK_STEPS: u32 = 1 << 24;
 
-/// Pick probabilities, proportional to flux up to a step, and never less than one: a light that no random number falls on
-/// is dark. Where there are more lights than steps, some are.
-fn set_picks(emitters: &mut [PackedEmitter]) {
-    let total: f64 = emitters.iter().map(|e| sum(&e.flux)).sum();
-    let count = emitters.len() as u32;
-    let sure = if count < PICK_STEPS { 1 } else { 0 };
-    let shared = f64::from(PICK_STEPS - sure * count.min(PICK_STEPS));
-    let (mut before, mut running) = (0u32, 0.0f64);
-    for (i, e) in (1..=count).zip(emitters.iter_mut()) {
-        running += sum(&e.flux) / total;
-        let upto = if i == count { PICK_STEPS } else { sure * i + (shared * running).round() as u32 };
+/// Pick probabilities, proportional to `weight` up to a step, and never less than one: a light that no random number falls
+/// on is dark. Where there are more lights than steps, some are.
+pub(super) fn set_picks(emitters: &mut [PackedEmitter], weight: impl Fn(usize) -> f64) {
+    let upto = cumulative_steps((0..emitters.len()).map(&weight), PICK_STEPS);
+    let mut before = 0;
+    for (e, upto) in emitters.iter_mut().zip(upto) {
         // multiples of a step: exact, and the probability that the table really gives
         e.cumulative = upto as f32 / PICK_STEPS as f32;
         e.pick = (upto - before) as f32 / PICK_STEPS as f32;
         before = upto;
     }
+}
+
+/// `steps` steps shared out in proportion to `weights`, none of which gets less than one while there are enough: how many
+/// have gone when each has had its share.
+pub(super) fn cumulative_steps(weights: impl ExactSizeIterator<Item = f64> + Clone, steps: u32) -> Vec<u32> {
+    let count = weights.len() as u32;
+    let total: f64 = weights.clone().sum();
+    let sure = if count < steps { 1 } else { 0 };
+    let shared = f64::from(steps - sure * count.min(steps));
+    let mut running = 0.0f64;
+    (1..=count)
+        .zip(weights)
+        .map(|(i, weight)| {
+            running += if total > 0.0 { weight / total } else { 1.0 / f64::from(count) };
+            if i == count { steps } else { sure * i + (shared * running).round() as u32 }
+        })
+        .collect()
 }

@@ -1,14 +1,17 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
+mod learn;
 mod pilot;
 mod radius;
+mod seen;
 
 pub use pilot::Pilot;
 pub use radius::{Schedule, area_group, shrink};
 
 use crate::film::{LAYERS, Layer};
-use crate::pack::{EmitterKind, PackedScene};
+use crate::pack::{EmitterKind, Guide, PackedScene};
 use crate::paths::LightPaths;
+use std::sync::Arc;
 
 /// What the user asked for, as far as it changes the plan.
 #[derive(Debug, Clone)]
@@ -37,6 +40,8 @@ pub struct Plan {
     pub settings: Settings,
     /// What was found by looking at the scene through the camera.
     pub pilot: Pilot,
+    /// What was learned of where the light of caustics comes from.
+    pub guide: Arc<Guide>,
     /// Which of [`Layer::ALL`] is traced.
     pub layers: [bool; LAYERS],
     /// What the kernels must be able to do.
@@ -45,6 +50,8 @@ pub struct Plan {
     pub caustic_jotons: u32,
     /// Jotons emitted a pass for the diffuse map; 0 where it is skipped.
     pub diffuse_jotons: u32,
+    /// Jotons that the disc of a gather point of the caustic map shall hold in the first pass.
+    pub caustic_wanted: f32,
     /// Radius of the caustic map: the largest that a gather point may use in the first pass.
     pub caustic: Schedule,
     /// Radius of the diffuse map; whether it is traced or not, since walls are looked for within it.
@@ -81,8 +88,11 @@ pub struct Skip {
 
 /// A gather point's caustic radius lies between these multiples of its pixel's footprint …
 pub const CAUSTIC_FOOTPRINTS: [f32; 2] = [0.7, 4.0];
-/// … and is chosen so that about this many jotons are found in the pilot pass.
-pub const CAUSTIC_WANTED: f32 = 15.0;
+/// … and is chosen so that about this many jotons are found in the pilot pass where emission is not steered. Where it is,
+/// more are found in the same disc: the radius that serves best then falls, but not so far that as few are left [E14].
+const CAUSTIC_WANTED: f64 = 15.0;
+/// Exponent of the gain in that number: error is least where squared radii go with jotons^(−1/3).
+const WANTED_GAIN: f64 = 2.0 / 3.0;
 /// α of both radii. Squared bias and variance then fall alike, with passes^(−2/3) (Knaus & Zwicker 2011); and radii
 /// differ enough between passes to tell the bias from them [E18].
 const ALPHA: f64 = 2.0 / 3.0;
@@ -165,13 +175,17 @@ impl Plan {
                 .push(Skip { what: "further shadow rays", why: "the only light is a point or a direction" });
         }
 
+        // of the scene and the seed alone: --paths must not change what is learned
+        let traced = layers[Layer::Caustic as usize];
+        let guide = if traced { learn::guide(scene, settings.seed) } else { Guide::default() };
+
         let pixels = scene.pixels() as u32;
         let jotons = |layer: Layer, n: u32, [least, most]: [u32; 2]| {
             if layers[layer as usize] { n.clamp(least, most) } else { 0 }
         };
         let diffuse_wanted = (pixels / 4 * 3).clamp(DIFFUSE_JOTONS[0], DIFFUSE_JOTONS[1]);
         let diffuse_jotons = jotons(Layer::Diffuse, diffuse_wanted, DIFFUSE_JOTONS);
-        let caustic_share = if pilot.aimed { pixels / 2 } else { pixels };
+        let caustic_share = if pilot::aimed(scene, &guide) { pixels / 2 } else { pixels };
         let caustic_jotons = jotons(Layer::Caustic, caustic_share, CAUSTIC_JOTONS);
         let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_wanted)).sqrt();
         let footprint = f64::from(pilot.footprint_median);
@@ -182,6 +196,8 @@ impl Plan {
         let caustic = f64::from(CAUSTIC_FOOTPRINTS[1] * pilot.footprint_large);
         Self {
             settings,
+            caustic_wanted: (CAUSTIC_WANTED * guide.gain.powf(WANTED_GAIN)) as f32,
+            guide: Arc::new(guide),
             layers,
             features,
             caustic_jotons,

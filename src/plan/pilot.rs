@@ -1,6 +1,6 @@
 //! Pilot: a few thousand camera rays, traced on the host, that tell how large things are in the image.
 
-use crate::pack::{PackedScene, SMOOTH};
+use crate::pack::{Guide, PackedEmitter, PackedScene, SMOOTH};
 use glam::Vec3;
 
 /// What the camera sees, in internal units.
@@ -12,8 +12,6 @@ pub struct Pilot {
     pub footprint_large: f32,
     /// Part of the pixels that see a diffuse surface, directly or through specular ones.
     pub diffuse_share: f32,
-    /// Emission can be aimed at the specular bodies: few emitters lie inside their bounding spheres.
-    pub aimed: bool,
 }
 
 /// Rays across and down.
@@ -47,7 +45,6 @@ impl Pilot {
             footprint_median: quantile(0.5),
             footprint_large: quantile(LARGE).min(quantile(0.5) * 8.0),
             diffuse_share: seen as f32 / (RAYS * RAYS) as f32,
-            aimed: aimed(scene),
         }
     }
 }
@@ -82,14 +79,12 @@ fn path_length(scene: &PackedScene, mut origin: Vec3, mut direction: Vec3) -> Op
     None
 }
 
-/// True where more than half of the flux starts outside every target.
-fn aimed(scene: &PackedScene) -> bool {
+/// True where more than half of the caustic jotons start outside every target: they are aimed.
+pub(super) fn aimed(scene: &PackedScene, guide: &Guide) -> bool {
     let outside = |p: Vec3| scene.targets.iter().all(|t| (p - t.center).length() > t.radius);
-    let middle = |e: &crate::pack::PackedEmitter| {
-        if e.kind == 0 { e.origin + (e.e1 + e.e2) / 3.0 } else { e.origin }
-    };
-    let share: f32 = scene.emitters.iter().filter(|e| outside(middle(e))).map(|e| e.pick).sum();
-    share > 0.5
+    let middle = |e: &PackedEmitter| if e.kind == 0 { e.origin + (e.e1 + e.e2) / 3.0 } else { e.origin };
+    let emitters = guide.emitters(&scene.emitters).iter();
+    emitters.filter(|e| outside(middle(e))).map(|e| e.pick).sum::<f32>() > 0.5
 }
 
 impl PackedScene {

@@ -7,7 +7,7 @@ use crate::device::Device;
 use crate::device_or_return;
 use crate::directions::{NORMAL, any_scene, density_d, materials, views, wgsl};
 use glam::{DVec3, Vec3};
-use joton::cpu::bsdf::{eval_d, pdf_d};
+use joton::optics::bsdf::{eval_d, pdf_d};
 use joton::pack::PackedMaterial;
 
 /// What a side says of a pair of directions: pdf, BRDF, BRDF with the directions exchanged (first band).

@@ -3,8 +3,9 @@
 use crate::common::{Row, Snippet, map_info, pass_info};
 use joton::gpu::Context;
 use joton::gpu::harness::Harness;
-use joton::pack::{PackedMaterial, PackedScene};
+use joton::pack::{Guide, PackedMaterial, PackedScene};
 use joton::plan::{Plan, Settings};
+use std::sync::Arc;
 
 const IMPORTS: &[&str] = &[
     "shared/features.wgsl",
@@ -27,8 +28,15 @@ pub struct Device<'a> {
 impl<'a> Device<'a> {
     /// Upload a scene.
     pub fn new(context: &'a Context, scene: &PackedScene, seed: u32) -> Self {
-        let plan = Plan::new(scene, Settings::default());
-        let harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
+        Self::guided(context, scene, seed, &Guide::default())
+    }
+
+    /// Upload a scene whose caustic jotons a guide steers.
+    pub fn guided(context: &'a Context, scene: &PackedScene, seed: u32, guide: &Guide) -> Self {
+        let mut plan = Plan::new(scene, Settings::default());
+        plan.guide = Arc::new(guide.clone());
+        let mut harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
+        harness.storage("emitters", guide.emitters(&scene.emitters));
         let mut pass = pass_info();
         (pass.eye, pass.right, pass.up) = (scene.camera.eye, scene.camera.right, scene.camera.up);
         pass.forward = scene.camera.forward;

@@ -9,7 +9,7 @@ use crate::common::{Row, dvec3, row3};
 use crate::device::Device;
 use glam::{DVec3, Vec3};
 use joton::cpu::harness;
-use joton::pack::{EmitterKind, PackedEmitter, PackedScene};
+use joton::pack::{EmitterKind, Guide, PackedEmitter, PackedScene};
 use joton::scene;
 use std::f64::consts::{PI, TAU};
 
@@ -64,7 +64,8 @@ fn emit(side: &str, scene: &PackedScene, caustic: bool) -> Option<Vec<Option<Sta
     let lit = |s: Start| (s.flux > 0.0).then_some(s);
     if side == "host" {
         let one = |i: u32| {
-            let (origin, direction, flux) = harness::emit(scene, seed(), caustic, i, EMITTED)?;
+            let (origin, direction, flux) =
+                harness::emit(scene, &Guide::default(), seed(), caustic, i, EMITTED)?;
             let [origin, direction] = [origin, direction].map(Vec3::as_dvec3);
             lit(Start { origin, direction, flux: f64::from(flux[0]) })
         };

@@ -13,6 +13,7 @@ mod determinism;
 mod device;
 mod directions;
 mod emission;
+mod guide;
 mod images;
 mod negative;
 mod non_finite;

@@ -9,35 +9,35 @@ const OFFSET: f32 = 1.0 / (1 << 19) as f32;
 
 /// A ray; the direction is a unit vector.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ray {
-    pub(super) origin: Vec3,
-    pub(super) direction: Vec3,
+pub(crate) struct Ray {
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
 }
 
 /// Where a ray met a triangle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Surface<'a> {
+pub(crate) struct Surface<'a> {
     /// The point, internal units; from the vertices, so it lies in the triangle's plane.
-    pub(super) position: Vec3,
+    pub(crate) position: Vec3,
     /// Unit vector back along the ray.
-    pub(super) back: Vec3,
+    pub(crate) back: Vec3,
     /// Distance along the ray.
-    pub(super) distance: f32,
+    pub(crate) distance: f32,
     /// Unit geometric normal, on the ray's side.
-    pub(super) ng: Vec3,
+    pub(crate) ng: Vec3,
     /// Unit shading normal, in the hemisphere of `ng`.
-    pub(super) ns: Vec3,
+    pub(crate) ns: Vec3,
     /// The ray came from the side where the vertices run counter-clockwise.
-    pub(super) front: bool,
+    pub(crate) front: bool,
     /// `ns` may differ from `ng`.
-    pub(super) smooth: bool,
-    pub(super) triangle: &'a PackedTriangle,
-    pub(super) material: &'a PackedMaterial,
+    pub(crate) smooth: bool,
+    pub(crate) triangle: &'a PackedTriangle,
+    pub(crate) material: &'a PackedMaterial,
 }
 
 impl<'a> Surface<'a> {
     /// What `ray` meets first.
-    pub(super) fn hit(scene: &'a PackedScene, ray: &Ray) -> Option<Self> {
+    pub(crate) fn hit(scene: &'a PackedScene, ray: &Ray) -> Option<Self> {
         let hit = scene.bvh.closest(&scene.triangles, ray.origin, ray.direction, f32::INFINITY)?;
         let triangle = &scene.triangles[hit.triangle as usize];
         let front_normal = triangle.normal();
@@ -65,30 +65,30 @@ impl<'a> Surface<'a> {
     }
 
     /// What the material can do.
-    pub(super) fn flags(&self) -> MaterialFlags {
+    pub(crate) fn flags(&self) -> MaterialFlags {
         self.material.flags()
     }
 
     /// A ray that leaves in `direction`, on whichever side that is.
-    pub(super) fn leave(&self, direction: Vec3) -> Ray {
+    pub(crate) fn leave(&self, direction: Vec3) -> Ray {
         let side = if direction.dot(self.ng) < 0.0 { -self.ng } else { self.ng };
         Ray { origin: lift(self.position, side, self.triangle), direction }
     }
 
     /// The shading normal where the ray sees its front, else the geometric one: what specular events turn about.
-    pub(super) fn specular_normal(&self) -> Vec3 {
+    pub(crate) fn specular_normal(&self) -> Vec3 {
         if self.ns.dot(self.back) > 0.0 { self.ns } else { self.ng }
     }
 }
 
 /// `position` on `triangle`, lifted to the side of `normal` so far that rounding cannot put it on the other side.
-pub(super) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> Vec3 {
+pub(crate) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> Vec3 {
     let size = |v: Vec3| v.abs().max_element();
     let scale = size(position).max(size(triangle.v0)).max(size(triangle.e1)).max(size(triangle.e2));
     position + normal * (scale * OFFSET)
 }
 
 /// True where nothing stands between two points that are already lifted off their surfaces.
-pub(super) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
+pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
     !scene.bvh.occluded(&scene.triangles, from, to - from, 1.0)
 }

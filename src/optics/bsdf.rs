@@ -82,7 +82,7 @@ pub fn sample_d(m: &PackedMaterial, wo: Vec3, n: Vec3, u_lobe: f32, u: [f32; 2])
 }
 
 /// A direction of the S lobe: the mirror's, or about it where the mirror is not perfect. None below the surface.
-pub(super) fn sample_mirror(s: &Surface, u: [f32; 2]) -> Option<Vec3> {
+pub(crate) fn sample_mirror(s: &Surface, u: [f32; 2]) -> Option<Vec3> {
     let above = |w: Vec3| (w.dot(s.ng) > 0.0).then_some(w);
     let perfect = above(mirror(s.back, s.specular_normal())).unwrap_or_else(|| mirror(s.back, s.ng));
     let exponent = s.material.specular_exponent;
@@ -91,18 +91,18 @@ pub(super) fn sample_mirror(s: &Surface, u: [f32; 2]) -> Option<Vec3> {
 
 /// Both ways on from a dielectric boundary.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Boundary {
+pub(crate) struct Boundary {
     /// Share that is reflected, 0 to 1.
-    pub(super) fresnel: f32,
-    pub(super) reflected: Vec3,
+    pub(crate) fresnel: f32,
+    pub(crate) reflected: Vec3,
     /// Arbitrary where `fresnel` is 1.
-    pub(super) refracted: Vec3,
+    pub(crate) refracted: Vec3,
     /// η of the side the ray comes from over that of the side it would go to.
-    pub(super) eta_i_over_t: f32,
+    pub(crate) eta_i_over_t: f32,
 }
 
 impl Boundary {
-    pub(super) fn at(s: &Surface) -> Self {
+    pub(crate) fn at(s: &Surface) -> Self {
         let eta_i_over_t = if s.front { 1.0 / s.material.ior } else { s.material.ior };
         let along = -s.back;
         let about = |n: Vec3| {

@@ -2,26 +2,26 @@
 //!
 //! By the emitters' own law: flux_i/(pick N). Aimed (caustic map only): L S+ D must meet a specular body first, so
 //! directions are drawn into the cones of the targets' spheres and weighed by the pdf of the mixture,
-//! pdf_solid_angle = (cones that hold the direction) / ΣΩ [E13].
+//! pdf_solid_angle = (cones that hold the direction) / ΣΩ [E13]. A guide may steer both, by what was learned [E20].
 
 use super::ray::lift;
 use super::sampling::{cone, cosine_hemisphere, disc, sphere, to_world, triangle};
 use crate::bands::{BLACK, Bands, scale};
-use crate::pack::{EmitterKind, PackedEmitter, PackedScene, PackedTriangle, Target};
+use crate::pack::{EmitterKind, Guide, PackedEmitter, PackedScene, PackedTriangle, Target};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
 /// A joton that has just left its emitter.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Start {
-    pub(super) origin: Vec3,
-    pub(super) direction: Vec3,
+pub(crate) struct Start {
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
     /// Flux, internal W per band, divided by the number of jotons.
-    pub(super) flux: Bands,
+    pub(crate) flux: Bands,
 }
 
 /// The emitter that `u` picks, and what is left of `u`, again uniform in [0, 1).
-pub(super) fn pick(emitters: &[PackedEmitter], u: f32) -> (&PackedEmitter, f32) {
+pub(crate) fn pick(emitters: &[PackedEmitter], u: f32) -> (&PackedEmitter, f32) {
     let i = emitters.partition_point(|e| e.cumulative <= u).min(emitters.len() - 1);
     let below = if i == 0 { 0.0 } else { emitters[i - 1].cumulative };
     let rest = (u - below) / (emitters[i].cumulative - below);
@@ -29,7 +29,7 @@ pub(super) fn pick(emitters: &[PackedEmitter], u: f32) -> (&PackedEmitter, f32) 
 }
 
 /// Kind of an emitter.
-pub(super) fn kind(e: &PackedEmitter) -> EmitterKind {
+pub(crate) fn kind(e: &PackedEmitter) -> EmitterKind {
     match e.kind {
         0 => EmitterKind::Triangle,
         1 => EmitterKind::Point,
@@ -39,7 +39,7 @@ pub(super) fn kind(e: &PackedEmitter) -> EmitterKind {
 }
 
 /// Point on an emissive triangle, lifted off its front, and the front's normal.
-pub(super) fn place_on(e: &PackedEmitter, u: [f32; 2]) -> (Vec3, Vec3) {
+pub(crate) fn place_on(e: &PackedEmitter, u: [f32; 2]) -> (Vec3, Vec3) {
     let [b, c] = triangle(u);
     let shape = PackedTriangle { v0: e.origin, material: 0, e1: e.e1, flags: 0, e2: e.e2, emitter: 0 };
     let normal = shape.normal();
@@ -47,7 +47,7 @@ pub(super) fn place_on(e: &PackedEmitter, u: [f32; 2]) -> (Vec3, Vec3) {
 }
 
 /// Falloff of a spot: 1 inside the inner cone, cubic smoothstep of the cosine to 0 at the outer [E12].
-pub(super) fn falloff(e: &PackedEmitter, direction: Vec3) -> f32 {
+pub(crate) fn falloff(e: &PackedEmitter, direction: Vec3) -> f32 {
     let (inner, outer) = (e.e2.x, e.e2.y);
     let cos = direction.dot(e.e1);
     if cos >= inner {
@@ -58,12 +58,16 @@ pub(super) fn falloff(e: &PackedEmitter, direction: Vec3) -> f32 {
 }
 
 /// A start by the emitters' own law; `count` jotons a pass.
-pub(super) fn by_law(scene: &PackedScene, place: [f32; 2], towards: [f32; 2], count: f32) -> Start {
+pub(crate) fn by_law(scene: &PackedScene, place: [f32; 2], towards: [f32; 2], count: f32) -> Start {
     let (e, rest) = pick(&scene.emitters, place[0]);
-    let share = 1.0 / (e.pick * count);
+    law_of(e, [rest, place[1]], towards, 1.0 / (e.pick * count))
+}
+
+/// A start by the law of one emitter; `share` of its flux.
+fn law_of(e: &PackedEmitter, place: [f32; 2], towards: [f32; 2], share: f32) -> Start {
     match kind(e) {
         EmitterKind::Triangle => {
-            let (origin, normal) = place_on(e, [rest, place[1]]);
+            let (origin, normal) = place_on(e, place);
             let direction = to_world(cosine_hemisphere(towards), normal);
             Start { origin, direction, flux: scale(&e.flux, share) }
         }
@@ -80,32 +84,49 @@ pub(super) fn by_law(scene: &PackedScene, place: [f32; 2], towards: [f32; 2], co
             }
         }
         EmitterKind::Sun => {
-            let [x, y] = disc([rest, place[1]]);
+            let [x, y] = disc(place);
             let offset = to_world(Vec3::new(x * e.e2.x, y * e.e2.x, 0.0), e.e1);
             Start { origin: e.origin + offset, direction: e.e1, flux: scale(&e.flux, share) }
         }
     }
 }
 
-/// A start aimed at the specular bodies; by the emitter's law where it starts inside one. None where no flux goes
-/// the way that was drawn.
-pub(super) fn aimed(scene: &PackedScene, place: [f32; 2], towards: [f32; 2], count: f32) -> Option<Start> {
-    let (e, rest) = pick(&scene.emitters, place[0]);
-    let share = 1.0 / (e.pick * count);
+/// A start aimed at the specular bodies, of an emitter that the guide picks, the way that it steers. None where no flux
+/// goes the way that was drawn.
+pub(crate) fn aimed(
+    scene: &PackedScene,
+    guide: &Guide,
+    place: [f32; 2],
+    towards: [f32; 2],
+    count: f32,
+) -> Option<Start> {
+    let (e, rest) = pick(guide.emitters(&scene.emitters), place[0]);
+    let (towards, density) = guide.steer(e, towards);
+    aimed_of(scene, e, [rest, place[1]], towards, 1.0 / (e.pick * count * density))
+}
+
+/// A start of one emitter aimed at the specular bodies, `share` of its flux; by its law where it starts inside one.
+pub(crate) fn aimed_of(
+    scene: &PackedScene,
+    e: &PackedEmitter,
+    place: [f32; 2],
+    towards: [f32; 2],
+    share: f32,
+) -> Option<Start> {
     let start = |origin: Vec3, radiant: &dyn Fn(Vec3) -> Bands| {
         if scene.targets.iter().any(|t| (origin - t.center).length_squared() <= t.radius * t.radius) {
-            return Some(by_law(scene, place, towards, count));
+            return Some(law_of(e, place, towards, share));
         }
         let (direction, pdf_solid_angle) = into_cones(&scene.targets, origin, towards)?;
         let flux = scale(&radiant(direction), share / pdf_solid_angle);
         (flux != BLACK).then_some(Start { origin, direction, flux })
     };
     if scene.targets.is_empty() {
-        return Some(by_law(scene, place, towards, count));
+        return Some(law_of(e, place, towards, share));
     }
     match kind(e) {
         EmitterKind::Triangle => {
-            let (origin, normal) = place_on(e, [rest, place[1]]);
+            let (origin, normal) = place_on(e, place);
             start(origin, &|w| scale(&e.strength, w.dot(normal).max(0.0) * e.area))
         }
         EmitterKind::Point => start(e.origin, &|_| e.strength),
@@ -140,7 +161,7 @@ fn narrowness(t: &Target, origin: Vec3) -> f32 {
 }
 
 /// A direction from `origin` into the cones of the targets and its pdf_solid_angle.
-pub(super) fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
+pub(crate) fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
     let (chosen, rest, total) = choose(targets, u[0], |t| narrowness(t, origin));
     let t = &targets[chosen];
     let axis = (t.center - origin).normalize();

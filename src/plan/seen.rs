@@ -1,0 +1,124 @@
+//! Seen: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
+
+use crate::bands::{BANDS, Bands, mul, scale};
+use crate::optics::bsdf::{Boundary, sample_mirror};
+use crate::optics::odds::Odds;
+use crate::optics::ray::{Ray, Surface};
+use crate::pack::PackedScene;
+use crate::rng::{random4, sequence_seed, sobol2};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Camera paths: one for this many pixels, between these.
+const PIXELS_PER_PATH: usize = 4;
+const PATHS: [usize; 2] = [1 << 12, 1 << 14];
+/// Longest specular chain that is followed.
+pub(super) const CHAIN: u32 = 12;
+/// A cell is at least this many spacings of camera paths wide: surfaces seen at grazing angles have no holes.
+const SPACINGS: f32 = 4.0;
+/// A surface counts as facing along an axis from this cosine on; each faces along one at least.
+const FACING: f32 = 0.5;
+/// Purposes of random numbers; those of the backends lie below.
+const STREAM_SEEN: u32 = 0x200;
+const DIMENSION_SEEN: u32 = 0x10_0000;
+
+/// Cells in which gather points lie: level and place, and along which of the six axes surfaces face there.
+pub(super) struct Seen {
+    cells: HashMap<[i32; 4], u8>,
+    /// Levels in use; a cell of level k is 2^k internal units wide.
+    levels: Vec<i32>,
+}
+
+/// Bits of the axes that a normal looks along.
+fn facing(normal: Vec3) -> u8 {
+    (0..6)
+        .filter(|&i| {
+            let along = normal[i / 2];
+            (if i % 2 == 0 { along } else { -along }) > FACING
+        })
+        .fold(0, |bits, i| bits | 1 << i)
+}
+
+fn cell(position: Vec3, level: i32) -> [i32; 4] {
+    let [x, y, z] = (position * (-level as f32).exp2()).floor().as_ivec3().to_array();
+    [level, x, y, z]
+}
+
+impl Seen {
+    /// Look at the scene through its camera.
+    pub(super) fn look(scene: &PackedScene, seed: u32) -> Self {
+        let paths = (scene.pixels() / PIXELS_PER_PATH).clamp(PATHS[0], PATHS[1]);
+        let spacing = scene.pixel_angle() * (scene.pixels() as f32 / paths as f32).sqrt();
+        let points: Vec<(Vec3, Vec3, f32)> =
+            (0..paths as u32).into_par_iter().filter_map(|i| gather_point(scene, seed, i)).collect();
+        let mut cells: HashMap<[i32; 4], u8> = HashMap::new();
+        for (position, normal, length) in points {
+            let level = (SPACINGS * spacing * length).max(f32::MIN_POSITIVE).log2().ceil() as i32;
+            let half = 0.5 * (level as f32).exp2();
+            // all cells that a cube of one cell's size about the point touches
+            for corner in 0..8u32 {
+                let sign = |bit: u32| if corner >> bit & 1 == 0 { -half } else { half };
+                let at = cell(position + Vec3::new(sign(0), sign(1), sign(2)), level);
+                *cells.entry(at).or_default() |= facing(normal);
+            }
+        }
+        let mut levels: Vec<i32> = cells.keys().map(|c| c[0]).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        Self { cells, levels }
+    }
+
+    /// True where the camera sees nothing diffuse.
+    pub(super) fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// Width of the smallest cell about a place whose gather points face alike; none where the camera does not look.
+    pub(super) fn width(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        let holds = |&&level: &&i32| {
+            self.cells.get(&cell(position, level)).is_some_and(|bits| bits & facing(normal) != 0)
+        };
+        self.levels.iter().find(holds).map(|&level| (level as f32).exp2())
+    }
+}
+
+/// Where a camera path meets its first diffuse surface: place, normal on the side that is seen, length of the path.
+fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<(Vec3, Vec3, f32)> {
+    let [x, y] = sobol2(number, sequence_seed(seed, 0, STREAM_SEEN));
+    let c = &scene.camera;
+    let direction = (c.forward + c.right * (2.0 * x - 1.0) + c.up * (1.0 - 2.0 * y)).normalize();
+    let mut ray = Ray { origin: c.eye, direction };
+    let mut length = 0.0;
+    for event in 0..CHAIN {
+        let s = Surface::hit(scene, &ray)?;
+        length += s.distance;
+        if s.flags().has_diffuse() {
+            return Some((s.position, s.ng, length));
+        }
+        let u = random4(seed, 0, number, DIMENSION_SEEN + event);
+        ray = specular_step(&s, &[1.0; BANDS], event, u)?.0;
+    }
+    None
+}
+
+/// A specular event: the ray that goes on, and its flux. None where there is none.
+pub(super) fn specular_step(
+    s: &Surface,
+    flux: &Bands,
+    event: u32,
+    [u_way, u0, u1, _]: [f32; 4],
+) -> Option<(Ray, Bands)> {
+    let boundary = s.flags().is_dielectric().then(|| Boundary::at(s));
+    let odds = Odds::new(s, boundary.as_ref(), flux, event);
+    let way = odds.choose(u_way)?;
+    let leaving = match (way, &boundary) {
+        (0, _) => None,
+        (1, None) => sample_mirror(s, [u0, u1]),
+        (1, Some(b)) => Some(b.reflected),
+        (_, Some(b)) => Some(b.refracted),
+        (_, None) => None,
+    }?;
+    let (reflectance, probability) = odds.ways[way];
+    Some((s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability)))
+}
