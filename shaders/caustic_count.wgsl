@@ -26,28 +26,18 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     }
     let r = min(map_info.radius, RADIUS_FOOTPRINTS * point.path_length * pass_info.pixel_angle);
     let normal = decode_direction(point.normal);
-    let lowest = cell_of(point.position - r, map_info.grid_origin, map_info.cells_per_unit);
-    let highest = cell_of(point.position + r, map_info.grid_origin, map_info.cells_per_unit);
-    let cell = 1.0 / map_info.cells_per_unit;
+    let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
     var count = 0.0;
-    for (var z = lowest.z; z <= highest.z; z += 1) {
-        for (var y = lowest.y; y <= highest.y; y += 1) {
-            let reach = reach_in_row(point.position, r * r, y, z, map_info.grid_origin, cell);
-            if reach < 0.0 {
-                continue;
-            }
-            let row = row_bucket(y, z, map_info.row_mask);
-            let x = point.position.x - map_info.grid_origin.x;
-            let first = column(i32(floor((x - reach) * map_info.cells_per_unit)), map_info.columns);
-            let last = column(i32(floor((x + reach) * map_info.cells_per_unit)), map_info.columns);
-            let end = bucket_starts[row + last + 1u];
-            for (var i = bucket_starts[row + first]; i < end; i += 1u) {
-                let position = sorted_jotons[i].position;
-                let d = position - point.position;
-                if dot(d, d) < r * r && abs(dot(d, normal)) < GATHER_PLANE_SHARE * r
-                    && dot(decode_normal24(sorted_jotons[i].normal_state), normal) > 127.0 * GATHER_NORMAL_COS {
-                    count += 1.0;
-                }
+    var rows = rows_touched(grid, point.position, r);
+    while rows != 0u {
+        let buckets = row_run(grid, point.position, r, countTrailingZeros(rows));
+        rows &= rows - 1u;
+        let end = bucket_starts[buckets.y];
+        for (var i = bucket_starts[buckets.x]; i < end; i += 1u) {
+            let d = sorted_jotons[i].position - point.position;
+            if dot(d, d) < r * r && abs(dot(d, normal)) < GATHER_PLANE_SHARE * r
+                && dot(decode_normal24(sorted_jotons[i].normal_state), normal) > 127.0 * GATHER_NORMAL_COS {
+                count += 1.0;
             }
         }
     }
