@@ -5,6 +5,7 @@
 use super::eye::GatherPoint;
 use super::gather::Window;
 use super::maps::AreaMap;
+use super::neighbours::around;
 use crate::layout::{CLIP_GRAZING, CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
 use crate::optics::sampling::basis;
 use crate::pack::PackedScene;
@@ -83,11 +84,7 @@ impl Walls {
             walls.add_all(own, g);
         }
         if !walls.planes[0].is_wall() {
-            let around = |i: u32, end: u32| i.saturating_sub(1)..(i + 2).min(end);
-            for y in around(pixel / size[0], size[1]) {
-                around(pixel % size[0], size[0])
-                    .for_each(|x| walls.add_all(&clips[(y * size[0] + x) as usize], g));
-            }
+            around(pixel, size).for_each(|i| walls.add_all(&clips[i], g));
         }
         walls
     }

@@ -3,6 +3,7 @@
 //! passes. Only in pixels that a pilot marked; the eye path's own emission counts in the others.
 
 use super::eye::{Split, cross, ray_through, survival, wants_emission};
+use super::neighbours::around;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_CHOICE, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, is_black, max, mul, scale};
@@ -130,12 +131,9 @@ pub(super) fn mark(scene: &PackedScene, seed: u32, pilot: u32) -> Vec<bool> {
 }
 
 /// Where light is seen in part, or a neighbour sees it otherwise.
-fn mixed(found: &[Light], [width, height]: [u32; 2]) -> Vec<bool> {
-    let around = |i: u32, end: u32| i.saturating_sub(1)..(i + 2).min(end);
-    let is_mixed = |x: u32, y: u32| {
-        let here = found[(y * width + x) as usize];
-        let mut near = around(y, height).flat_map(|v| around(x, width).map(move |u| v * width + u));
-        near.any(|i| found[i as usize] == Light::InPart || found[i as usize] != here)
+fn mixed(found: &[Light], size: [u32; 2]) -> Vec<bool> {
+    let is_mixed = |(pixel, here): (usize, &Light)| {
+        around(pixel as u32, size).any(|i| found[i] == Light::InPart || found[i] != *here)
     };
-    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| is_mixed(x, y)).collect()
+    found.iter().enumerate().map(is_mixed).collect()
 }

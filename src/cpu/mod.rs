@@ -14,6 +14,7 @@ mod glint;
 pub mod harness;
 mod kd_tree;
 mod maps;
+mod neighbours;
 mod path_tracer;
 mod pixels;
 mod streams;

@@ -4,6 +4,7 @@ use super::boundary::{Interior, Weights, weights};
 use super::clip::{self, Clip, Walls};
 use super::gather::{Window, count, radiance};
 use super::maps::{AreaMap, JotonMap};
+use super::neighbours::around;
 use super::{Pass, direct, eye, glint};
 use crate::backend::{Cause, Tally};
 use crate::bands::{Bands, add};
@@ -153,7 +154,6 @@ fn caustic_limits(scene: &PackedScene, plan: &Plan, g: &eye::GatherPoint) -> [f3
 /// The caustic radius of each pixel in the first pass, from the jotons counted in a pilot:
 /// r = clamp(r_max √(K/k), r_min, r_max), k the mean count at r_max over 3×3 pixels [E14].
 pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, pass: u32, map: &JotonMap) -> Vec<f32> {
-    let [width, height] = scene.size;
     let found: Vec<Option<(u32, [f32; 2])>> = (0..scene.pixels() as u32)
         .into_par_iter()
         .map(|pixel| {
@@ -162,26 +162,17 @@ pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, pass: u32, map: &Jo
             Some((count(map, &Window::new(&g, limits[1] * limits[1])), limits))
         })
         .collect();
-    (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| {
-            let Some((_, [smallest, largest])) = found[(y * width + x) as usize] else {
-                return plan.caustic.base as f32;
-            };
-            let (mut sum, mut valid) = (0, 0);
-            for v in y.saturating_sub(1)..(y + 2).min(height) {
-                for u in x.saturating_sub(1)..(x + 2).min(width) {
-                    if let Some((count, _)) = found[(v * width + u) as usize] {
-                        sum += count;
-                        valid += 1;
-                    }
-                }
-            }
-            if sum == 0 {
-                return largest;
-            }
-            let mean = sum as f32 / valid as f32;
-            (largest * (plan.caustic_wanted / mean).sqrt()).clamp(smallest, largest)
-        })
-        .collect()
+    let base = |pixel: usize| {
+        let Some((_, [smallest, largest])) = found[pixel] else {
+            return plan.caustic.base as f32;
+        };
+        let counts = || around(pixel as u32, scene.size).filter_map(|i| found[i]).map(|(count, _)| count);
+        let sum: u32 = counts().sum();
+        if sum == 0 {
+            return largest;
+        }
+        let mean = sum as f32 / counts().count() as f32;
+        (largest * (plan.caustic_wanted / mean).sqrt()).clamp(smallest, largest)
+    };
+    (0..found.len()).map(base).collect()
 }
