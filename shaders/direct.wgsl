@@ -33,7 +33,7 @@ struct LightSample {
 fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let pick = pick_emitter(u.x, pass_info.emitters);
     let e = emitters[pick.emitter];
-    if e.kind == EMITTER_TRIANGLE {
+    if is_triangle(e.kind) {
         let b = sample_triangle(vec2(pick.rest, u.y));
         let d = e.origin + b.x * e.e1 + b.y * e.e2 - p;
         let distance2 = dot(d, d);
@@ -70,7 +70,7 @@ fn near_emitter(p: vec3<f32>) -> bool {
         let center = (e1 + emitters[i].e2) / 3.0;
         let d = emitters[i].origin + center - p;
         let largest = max(length(center), length(e1 - center)) + NEAR_WIDTH * sqrt(emitters[i].area / emitters[i].pick);
-        near = near || (emitters[i].kind == EMITTER_TRIANGLE && dot(d, d) < largest * largest);
+        near = near || (is_triangle(emitters[i].kind) && dot(d, d) < largest * largest);
     }
     return near;
 }

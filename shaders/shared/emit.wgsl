@@ -26,29 +26,32 @@ fn emit(number: u32) -> Start {
         v = steered.place;
         share /= steered.density;
     }
-    if e.kind == EMITTER_SUN {
+    if HAS_DELTA_LIGHTS && e.kind == EMITTER_SUN {
         return emit_sun(e, vec2(pick.rest, u.y), v, share);
     }
     var position = e.origin;
     var normal = e.e1;
-    if e.kind == EMITTER_TRIANGLE {
+    if is_triangle(e.kind) {
         let b = sample_triangle(vec2(pick.rest, u.y));
         position = e.origin + b.x * e.e1 + b.y * e.e2;
         normal = normalize(cross(e.e1, e.e2));
     }
-    let aim = aim_at_targets(position, v, pick.rest);
-    if CAUSTIC && aim.hits > 0u {
+    var aim = Aim(vec3(0.0), 0u, 0.0, vec3(0.0));
+    if CAUSTIC {
+        aim = aim_at_targets(position, v, pick.rest);
+    }
+    if aim.hits > 0u {
         let cosine = dot(aim.direction, normal);
         let weight = share * aim.total / f32(aim.hits);
         var radiant = e.strength;
-        if e.kind == EMITTER_TRIANGLE {
+        if is_triangle(e.kind) {
             radiant *= e.area * max(0.0, cosine);
         } else if e.kind == EMITTER_SPOT {
             radiant *= spot_falloff(cosine, e.e2.x, e.e2.y);
         }
         return Start(start_origin(e, position, normal), aim.direction, radiant * weight);
     }
-    if e.kind == EMITTER_TRIANGLE {
+    if is_triangle(e.kind) {
         let d = normalize(basis(normal) * sample_cosine_hemisphere(v));
         return Start(start_origin(e, position, normal), d, e.flux * share);
     }
@@ -63,7 +66,7 @@ fn emit(number: u32) -> Start {
 }
 
 fn start_origin(e: PackedEmitter, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    if e.kind == EMITTER_TRIANGLE {
+    if is_triangle(e.kind) {
         return offset_origin(position, normal);
     }
     return position;

@@ -1,5 +1,6 @@
 // Emitters: picking, places on them, and what they send along a direction.
 // import: shared/sampling.wgsl
+// import: shared/features.wgsl
 // reads  emitters
 
 struct Pick {
@@ -22,6 +23,11 @@ fn pick_emitter(u: f32, count: u32) -> Pick {
     let e_pick = emitters[low].pick;
     let before = emitters[low].cumulative - e_pick;
     return Pick(low, clamp((u - before) / max(e_pick, 1e-30), 0.0, 0.99999994));
+}
+
+// True for an emissive triangle; where there are no other lights, nothing else is compiled.
+fn is_triangle(kind: u32) -> bool {
+    return !HAS_DELTA_LIGHTS || kind == EMITTER_TRIANGLE;
 }
 
 // Part of the axial intensity that a spot sends at this cosine from its axis: a cubic smoothstep in the cosine.

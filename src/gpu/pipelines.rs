@@ -39,6 +39,7 @@ impl Kernels {
             ("HAS_SPECULAR", flag(f.specular)),
             ("HAS_DIELECTRIC", flag(f.dielectric)),
             ("HAS_GLOSSY", flag(f.glossy)),
+            ("HAS_DELTA_LIGHTS", flag(f.delta_lights)),
             ("HAS_PATH_FILTER", flag(f.path_filter)),
             (
                 "CAMERA_STEPS",
