@@ -464,10 +464,12 @@ fn plan_can_be_read_by_programs() {
     let folder = Folder::new();
     let plan: Value = serde_json::from_str(&folder.done("plan cornell.toml --json").stdout).expect("JSON");
     assert!(number(&plan["triangles"]) > 0.0);
+    assert_eq!((number(&plan["shadow_rays"]), number(&plan["warps"])), (2.0, 0.0));
     let skips = plan["skipped"].as_array().expect("a list");
     assert!(skips.iter().any(|s| s["what"] == "caustic map" && s["why"].is_string()), "{plan}");
     let text = folder.done("plan cornell.toml").stdout;
     assert!(text.contains("caustic map: no surface mirrors"), "{text}");
+    assert!(text.contains("direct light: 2 shadow rays"), "{text}");
 }
 
 /// `devices` lists at least the processor, and says of exactly one device that auto picks it.

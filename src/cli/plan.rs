@@ -39,6 +39,8 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "layers": layers,
             "caustic_jotons": plan.caustic_jotons,
             "diffuse_jotons": plan.diffuse_jotons,
+            "shadow_rays": plan.settings.shadow_rays,
+            "warps": plan.guide.warps().len(),
             "caustic_radius": plan.caustic.base * scale,
             "diffuse_radius": plan.diffuse.base * scale,
             "skipped": plan.skipped,
@@ -58,6 +60,13 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         if jotons > 0 {
             say(format_args!("{what}: {jotons} jotons a pass, radius {:.4}", schedule.base * scale));
         }
+    }
+    if !plan.guide.is_empty() {
+        let warps = plan.guide.warps().len();
+        say(format_args!("caustic jotons: lamps picked by what the camera can use, {warps} of them warped"));
+    }
+    if plan.traces(Layer::Direct) {
+        say(format_args!("direct light: {} shadow rays a pixel and pass", plan.settings.shadow_rays));
     }
     for s in &plan.skipped {
         say(format_args!("skipped {}: {}", s.what, s.why));
