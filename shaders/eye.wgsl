@@ -61,23 +61,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if kept <= 0.0 {
             break;
         }
-        // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
-        // a path, where it ends as a joton's does [E3].
-        let total = kept / survival(events, kept, CAMERA_STEPS);
         let random = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_EYE + events);
         var choice = random.x;
         if events < 2u {
             choice = select(choices.y, choices.x, events == 0u);
         }
-        choice *= total;
-        if choice >= kept {
-            break;
-        }
+        choice *= kept;
         if choice < scatter {
             let back = select(BACK_SIDE, 0u, from_front);
             point = GatherPoint(
                 s.position, s.material | (min(events, CHAIN_MAX) << 24u) | back,
-                throughput * (total / scatter), length,
+                throughput * (kept / scatter), length,
                 encode_direction(geometric), encode_direction(shading), encode_direction(-direction), flags,
             );
             break;
@@ -87,12 +81,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             event = select(EVENT_TRANSMIT, EVENT_REFLECT, choice < scatter + c.mirror + c.reflect);
         }
         let next = specular_scatter(m, event, direction, geometric, shading, from_front, random.yz);
-        if !next.alive {
+        // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
+        // a path that goes on, where it ends as a joton's does [E3].
+        let survives = survival(events, kept, CAMERA_STEPS);
+        if !next.alive || random.w >= survives {
             break;
         }
         // [E9] radiance scales with the square of the index; flux does not
         let radiance_scale = select(1.0, next.eta_it * next.eta_it, event == EVENT_TRANSMIT);
-        throughput *= event_reflectance(m, event, reflectance) * (total / event_chance(c, event) * radiance_scale);
+        throughput *= event_reflectance(m, event, reflectance) * (kept / (survives * event_chance(c, event)) * radiance_scale);
         direction = next.direction;
         origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
         events += 1u;
