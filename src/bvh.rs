@@ -65,6 +65,11 @@ impl Bvh {
         self.wide.nodes.iter().map(|n| bytemuck::cast::<_, Node>(*n)).collect()
     }
 
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.wide.nodes.len()
+    }
+
     /// Levels of inner nodes.
     pub fn depth(&self) -> u32 {
         let mut deepest = 0;

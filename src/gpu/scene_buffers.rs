@@ -85,7 +85,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
 pub fn is_small(context: &Context, scene: &PackedScene) -> bool {
     let fits = |count: usize, most: u32| count <= most as usize;
     context.limits.max_uniform_buffer_binding_size >= SMALL_BYTES
-        && fits(scene.bvh.nodes().len() * NODE_WORDS, SMALL_NODE_WORDS)
+        && fits(scene.bvh.node_count() * NODE_WORDS, SMALL_NODE_WORDS)
         && fits(scene.triangles.len(), SMALL_TRIANGLES)
         && fits(scene.materials.len(), SMALL_MATERIALS)
         && fits(scene.emitters.len(), SMALL_EMITTERS)
