@@ -8,7 +8,7 @@ use super::maps::Joton;
 use super::streams::*;
 use crate::backend::{Cause, Tally};
 use crate::bands::{BANDS, Bands, max, mul, scale};
-use crate::optics::bsdf::{Boundary, eval_d, pdf_d, sample_d, sample_mirror};
+use crate::optics::bsdf::{Boundary, eval_d, pdf_d, sample_d, specular_direction};
 use crate::optics::emit::{Start, aimed, by_law};
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface};
@@ -118,12 +118,9 @@ impl Tracer<'_> {
             }
             let (reflectance, probability) = odds.ways[way];
             let kept = scale(&mul(&flux, &reflectance), 1.0 / probability);
-            let leaving = match (way, &boundary) {
-                (0, _) => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
-                (1, None) => sample_mirror(&s, [u0, u1]),
-                (1, Some(b)) => Some(b.reflected),
-                (_, Some(b)) => Some(b.refracted),
-                (_, None) => None,
+            let leaving = match way {
+                0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
+                _ => specular_direction(&s, boundary.as_ref(), way == 2, [u0, u1]),
             };
             flux = match leaving {
                 Some(w) if way == 0 => self.scatter(&s, w, &scale(&flux, adjoint_in / probability)),

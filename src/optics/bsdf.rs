@@ -89,6 +89,21 @@ pub(crate) fn sample_mirror(s: &Surface, u: [f32; 2]) -> Option<Vec3> {
     if exponent <= 0.0 { Some(perfect) } else { above(to_world(phong_lobe(u, exponent), perfect)) }
 }
 
+/// The direction of a specular event: off a dielectric boundary or, where `transmits`, through it; off a mirror where there
+/// is none. None below the surface.
+pub(crate) fn specular_direction(
+    s: &Surface,
+    boundary: Option<&Boundary>,
+    transmits: bool,
+    u: [f32; 2],
+) -> Option<Vec3> {
+    match boundary {
+        Some(b) if transmits => Some(b.refracted),
+        Some(b) => Some(b.reflected),
+        None => sample_mirror(s, u),
+    }
+}
+
 /// Both ways on from a dielectric boundary.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Boundary {

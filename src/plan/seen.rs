@@ -1,7 +1,7 @@
 //! Seen: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
 
 use crate::bands::{BANDS, Bands, mul, scale};
-use crate::optics::bsdf::{Boundary, sample_mirror};
+use crate::optics::bsdf::{Boundary, specular_direction};
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface};
 use crate::pack::PackedScene;
@@ -112,13 +112,10 @@ pub(super) fn specular_step(
     let boundary = s.flags().is_dielectric().then(|| Boundary::at(s));
     let odds = Odds::new(s, boundary.as_ref(), flux, event);
     let way = odds.choose(u_way)?;
-    let leaving = match (way, &boundary) {
-        (0, _) => None,
-        (1, None) => sample_mirror(s, [u0, u1]),
-        (1, Some(b)) => Some(b.reflected),
-        (_, Some(b)) => Some(b.refracted),
-        (_, None) => None,
-    }?;
+    if way == 0 {
+        return None;
+    }
+    let leaving = specular_direction(s, boundary.as_ref(), way == 2, [u0, u1])?;
     let (reflectance, probability) = odds.ways[way];
     Some((s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability)))
 }
