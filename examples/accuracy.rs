@@ -12,7 +12,7 @@
 //! run: error estimate and truth) and OUT_PREFIX-SCENE.svg; prints slopes and how the estimate held, as Markdown.
 
 use joton::cpu::CpuBackend;
-use joton::film::{LAYERS, Layer, Picture};
+use joton::film::{LAYERS, Layer, Picture, RELATIVE_OFFSET};
 use joton::pack::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{ErrorEstimate, Stop, render};
@@ -28,8 +28,6 @@ const REFERENCE_RADIUS: f64 = 1.0 / 3.0;
 const REFERENCE_PASSES: u64 = 4;
 /// First seed of the reference.
 const REFERENCE_SEED: u32 = 1 << 20;
-/// As in `joton compare`.
-const OFFSET: f64 = 1e-2;
 /// The classes and, last, their sum.
 const CLASSES: usize = LAYERS + 1;
 
@@ -177,7 +175,7 @@ impl Moments {
 /// One over R² + 0.01.
 fn weight(reference: &[Values; 2], i: usize) -> f64 {
     let r = reference.iter().map(|r| r[LAYERS][i]).sum::<f64>() / 2.0;
-    1.0 / (r * r + OFFSET)
+    1.0 / (r * r + RELATIVE_OFFSET)
 }
 
 fn measure(

@@ -24,6 +24,9 @@ pub fn check_memory(size: [u32; 2]) -> Result<()> {
     Ok(())
 }
 
+/// Added to a squared radiance that errors are divided by, (W/(m² sr))²: a black pixel must not weigh infinitely much.
+pub const RELATIVE_OFFSET: f64 = 1e-2;
+
 /// The layers of the image, by class of light path. Their sum is the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]

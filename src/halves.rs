@@ -5,11 +5,9 @@
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
 use crate::bands::BANDS;
-use crate::film::{Film, LAYERS, Layer, Picture};
+use crate::film::{Film, LAYERS, Layer, Picture, RELATIVE_OFFSET};
 use rayon::prelude::*;
 
-/// What keeps the relative error of dark pixels finite: (I−R)²/(R²+this), as in `joton compare`, (W/(m² sr))².
-const DARK: f64 = 1e-2;
 /// Blocks across and down whose spread tells how sure the squared bias is.
 const BLOCKS: usize = 8;
 /// Least spread of the squared radius over a half's passes, relative to its mean, that a line is put through.
@@ -158,8 +156,8 @@ impl Halves {
                     for i in 0..BANDS {
                         let means = [early[i] / a, (sum[i] - early[i]) / b];
                         let mean = sum[i] / all;
-                        let weight = trust / (mean * mean + DARK)
-                            + (1.0 - trust) / (common_square(means[0], means[1]) + DARK);
+                        let weight = trust / (mean * mean + RELATIVE_OFFSET)
+                            + (1.0 - trust) / (common_square(means[0], means[1]) + RELATIVE_OFFSET);
                         noise += (means[0] - means[1]).powi(2) * share * weight;
                         if let [Some(first), Some(second)] = slopes {
                             let slope = |line: &Line, [p_factor, q_factor]: [f64; 2]| {
@@ -256,7 +254,7 @@ mod tests {
     fn noise_of_the_mean_is_found() {
         for passes in [4, 5, 7, 16, 70, 100] {
             let e = after(passes, |_| 1.0, |n, p| 2.0 + 0.1 * uniform(n, p)).error().expect("two halves");
-            let truth = 0.1 / (3.0 * passes as f64 * (4.0 + DARK)).sqrt();
+            let truth = 0.1 / (3.0 * passes as f64 * (4.0 + RELATIVE_OFFSET)).sqrt();
             assert!((e.noise / truth - 1.0).abs() < 0.05, "{passes} passes: {e:?}, truth {truth}");
             assert!((e.total / e.noise - NOISE_SAFETY.sqrt()).abs() < 1e-9, "{e:?}");
         }
@@ -285,7 +283,7 @@ mod tests {
     fn what_one_pass_alone_has_seen_is_an_error() {
         let e = after(128, |_| 0.0, |n, p| if (n, p) == (37, 800) { 64.0 } else { 0.0 });
         let e = e.error().expect("two halves");
-        let truth = (0.5f64.powi(2) / DARK / PIXELS as f64).sqrt();
+        let truth = (0.5f64.powi(2) / RELATIVE_OFFSET / PIXELS as f64).sqrt();
         assert!(e.total > truth && e.total < 3.0 * truth, "{e:?}, truth {truth}");
     }
 

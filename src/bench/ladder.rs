@@ -4,8 +4,8 @@ use super::run::Subject;
 use super::{Row, Summary};
 use crate::Result;
 use crate::bands::BANDS;
-use crate::film::Image;
-use crate::output::compare::{OFFSET, compare};
+use crate::film::{Image, RELATIVE_OFFSET};
+use crate::output::compare::compare;
 
 /// How a picture came about.
 pub(super) struct Seen {
@@ -137,7 +137,7 @@ impl Spread {
                 if !truth.is_finite() {
                     continue;
                 }
-                let scale = 1.0 / (truth * truth + OFFSET);
+                let scale = 1.0 / (truth * truth + RELATIVE_OFFSET);
                 variance += of_seed * scale / values;
                 bias += ((mean[b] - truth).powi(2) - of_seed / self.count) * scale / values;
             }
@@ -154,7 +154,7 @@ mod tests {
         Image { width: 2, height: 1, pixels: vec![[value; BANDS]; 2] }
     }
 
-    /// Pictures 1.1 and 1.3 of a truth of 1: variance 0.02, and bias² 0.2² less half the variance; over 1² + OFFSET.
+    /// Pictures 1.1 and 1.3 of a truth of 1: variance 0.02, and bias² 0.2² less half the variance; over 1² + RELATIVE_OFFSET.
     #[test]
     fn bias_and_variance_are_told_apart() {
         let mut spread = Spread::new([2, 1]);
@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(spread.bias_and_variance(None), None);
         spread.add(&image(1.3));
         let (bias, variance) = spread.bias_and_variance(Some(&image(1.0))).expect("two seeds");
-        let scale = 1.0 / (1.0 + OFFSET);
+        let scale = 1.0 / (1.0 + RELATIVE_OFFSET);
         assert!((variance - 0.02 * scale).abs() < 1e-6, "{variance}");
         assert!((bias.expect("a reference") - (0.04 - 0.01) * scale).abs() < 1e-6, "{bias:?}");
         let mean_error = (0.01 + 0.09) / 2.0 * scale;

@@ -5,11 +5,9 @@
 use super::heatmap;
 use crate::bands::BANDS;
 use crate::error::{Error, Result};
-use crate::film::Image;
+use crate::film::{Image, RELATIVE_OFFSET};
 use std::path::Path;
 
-/// Added to the squared reference, (W/(m² sr))²: a black pixel must not weigh infinitely much.
-pub(crate) const OFFSET: f64 = 1e-2;
 /// The share of the pixels, the worst, that the trimmed error leaves out.
 const TRIMMED: f64 = 1e-3;
 
@@ -62,7 +60,7 @@ pub fn relative_errors(image: &Image, reference: &Image) -> Result<Vec<f64>> {
         }
         let band = |b: usize| {
             let (i, r) = (f64::from(i[b]), f64::from(r[b]));
-            (i - r).powi(2) / (r * r + OFFSET)
+            (i - r).powi(2) / (r * r + RELATIVE_OFFSET)
         };
         (0..BANDS).map(band).sum::<f64>() / BANDS as f64
     };
