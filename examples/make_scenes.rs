@@ -30,7 +30,7 @@ fn main() -> std::io::Result<()> {
 
 /// All files: name and text.
 pub fn files() -> Vec<(String, String)> {
-    [cornell(), spheres(), pool(), furnace(), ring()].concat()
+    [cornell(), spheres(), pool(), furnace(), ring(), rooms(), pedestal()].concat()
 }
 
 /// A mesh that grows face by face.
@@ -274,6 +274,88 @@ fn ring() -> Vec<(String, String)> {
         "A mirror ring on a floor, light from the left: a bright nephroid, the coffee cup's caustic, inside.";
     let view = "[camera]\nposition = [0.0, 0.42, 0.3]\ntarget = [0.0, 0.0, 0.0]\nfov_x = 35.0\n";
     scene("ring", comment, view, obj, &mtl)
+}
+
+/// A box between two corners, fronts outward.
+fn slab(obj: &mut Obj, low: Point, high: Point) {
+    let corner =
+        |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
+    for face in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3]] {
+        obj.face(&face.map(corner));
+    }
+}
+
+fn rooms() -> Vec<(String, String)> {
+    /// Rooms along x and z, and how wide and high each is.
+    const ROOMS: [usize; 2] = [5, 2];
+    const WIDTH: f64 = 4.0;
+    const HEIGHT: f64 = 2.7;
+    /// Half the thickness of a wall.
+    const HALF: f64 = 0.05;
+    /// Where a door begins and ends along its wall, and its height.
+    const DOOR: [f64; 2] = [0.4, 1.3];
+    const DOOR_HEIGHT: f64 = 2.0;
+    /// Half the width of a lamp.
+    const LAMP: f64 = 0.3;
+    let mut obj = Obj::new("rooms");
+    let [width, depth] = ROOMS.map(|n| n as f64 * WIDTH);
+    obj.material("white");
+    slab(&mut obj, [-HALF, -0.1, -HALF], [width + HALF, 0., depth + HALF]);
+    slab(&mut obj, [-HALF, HEIGHT, -HALF], [width + HALF, HEIGHT + 0.1, depth + HALF]);
+    // walls across x, then across z; those inside have a door into every room
+    for i in 0..=ROOMS[0] {
+        let x = i as f64 * WIDTH;
+        obj.material(if i == 0 { "red" } else { "white" });
+        if i == 0 || i == ROOMS[0] {
+            slab(&mut obj, [x - HALF, 0., -HALF], [x + HALF, HEIGHT, depth + HALF]);
+            continue;
+        }
+        let mut from = -HALF;
+        for k in 0..ROOMS[1] {
+            let [begin, end] = DOOR.map(|d| k as f64 * WIDTH + d);
+            slab(&mut obj, [x - HALF, 0., from], [x + HALF, HEIGHT, begin]);
+            slab(&mut obj, [x - HALF, DOOR_HEIGHT, begin], [x + HALF, HEIGHT, end]);
+            from = end;
+        }
+        slab(&mut obj, [x - HALF, 0., from], [x + HALF, HEIGHT, depth + HALF]);
+    }
+    for k in 0..=ROOMS[1] {
+        let z = k as f64 * WIDTH;
+        for i in 0..ROOMS[0] {
+            obj.material(if k == ROOMS[1] { "green" } else { "white" });
+            let (from, to) = (i as f64 * WIDTH + HALF, (i + 1) as f64 * WIDTH - HALF);
+            slab(&mut obj, [from, 0., z - HALF], [to, HEIGHT, z + HALF]);
+        }
+    }
+    for (i, k) in (0..ROOMS[0]).flat_map(|i| (0..ROOMS[1]).map(move |k| (i, k))) {
+        let [x, z] = [i, k].map(|n| (n as f64 + 0.5) * WIDTH);
+        obj.material("white");
+        slab(&mut obj, [x + 0.3, 0., z + 0.4], [x + 1.1, 0.75, z + 1.0]);
+        obj.material("light");
+        let y = HEIGHT - 0.01;
+        let [x0, x1, z0, z1] = [x - LAMP, x + LAMP, z - LAMP, z + LAMP];
+        obj.face(&[[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]]);
+    }
+    let comment = "Ten rooms in two rows, joined by doors, a lamp in each: the camera looks into one.";
+    let view = "[camera]\nposition = [3.2, 1.6, 4.6]\ntarget = [1.4, 1.0, 7.6]\nfov_x = 70.0\n";
+    scene("rooms", comment, view, obj, &(CORNELL_COLOURS.to_owned() + &light([10., 9., 8.])))
+}
+
+fn pedestal() -> Vec<(String, String)> {
+    let mut obj = Obj::new("pedestal");
+    obj.material("white");
+    slab(&mut obj, [-0.15, -0.02, -0.15], [0.15, 0., 0.15]);
+    obj.material("red");
+    slab(&mut obj, [-0.1, 0., -0.06], [-0.02, 0.12, 0.04]);
+    obj.material("green");
+    let (vertices, faces) = icosphere(3, [0.06, 0.0501, 0.0], 0.05);
+    obj.smooth(&vertices, &faces);
+    obj.material("light");
+    obj.face(&[[-0.4, 0.8, -0.1], [-0.2, 0.8, -0.1], [-0.2, 0.8, 0.1], [-0.4, 0.8, 0.1]]);
+    let comment =
+        "A block and a ball on a plate under a lamp, nothing around: four fifths of the image are black.";
+    let view = "[camera]\nposition = [0.0, 0.35, -0.7]\ntarget = [0.0, 0.03, 0.0]\nfov_x = 42.0\n";
+    scene("pedestal", comment, view, obj, &(CORNELL_COLOURS.to_owned() + &light([20., 19., 17.])))
 }
 
 /// A pair of coordinates in the floor plane, lifted.

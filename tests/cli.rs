@@ -468,7 +468,12 @@ fn plan_can_be_read_by_programs() {
     let skips = plan["skipped"].as_array().expect("a list");
     assert!(skips.iter().any(|s| s["what"] == "caustic map" && s["why"].is_string()), "{plan}");
     let text = folder.done("plan cornell.toml").stdout;
-    assert!(text.contains("caustic map: no surface mirrors"), "{text}");
+    assert!(
+        text.contains(
+            "skipped caustic map (caustic-map): no surface mirrors or refracts; back with a mirror"
+        ),
+        "{text}"
+    );
     assert!(text.contains("direct light: 2 shadow rays"), "{text}");
 }
 

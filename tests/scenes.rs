@@ -32,9 +32,15 @@ fn committed_scenes_are_generated() {
 /// The scenes load without a warning and stay within their promised sizes.
 #[test]
 fn committed_scenes_are_sound() {
-    for (name, most_triangles) in
-        [("cornell", 100), ("spheres", 2 * 5120 + 100), ("pool", 5000), ("furnace", 12), ("ring", 5000)]
-    {
+    for (name, most_triangles) in [
+        ("cornell", 100),
+        ("spheres", 2 * 5120 + 100),
+        ("pool", 5000),
+        ("furnace", 12),
+        ("ring", 5000),
+        ("rooms", 1000),
+        ("pedestal", 2000),
+    ] {
         let scene = load(name);
         assert_eq!(scene.warnings, Vec::<String>::new(), "{name}");
         assert!(scene.mesh.triangles.len() <= most_triangles, "{name}: {}", scene.mesh.triangles.len());

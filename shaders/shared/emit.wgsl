@@ -1,6 +1,6 @@
 // Emission: where joton `number` starts, which way, and with what flux.
-// Φ = flux of the emitter / (pick N) by the emitter's own law [E2]; aimed: Le cosθ A / (pick N pdf_solid_angle) [E13]. The emitters
-// of the caustic map have pick probabilities, and some a warp, that were learned [E20].
+// Φ = flux of the emitter / (pick N) by the emitter's own law [E2]; aimed: Le cosθ A / (pick N pdf_solid_angle) [E13]. Each
+// map has its emitters, with pick probabilities, and some a warp, that were learned [E20].
 // import: shared/rng.wgsl
 // import: shared/emitter.wgsl
 // import: shared/warp.wgsl
@@ -21,13 +21,13 @@ fn emit(number: u32) -> Start {
     let pick = pick_emitter(u.x, pass_info.emitters);
     let e = emitters[pick.emitter];
     var share = 1.0 / (e.pick * f32(map_info.emitted));
-    if CAUSTIC && e.warp > 0u {
+    if HAS_WARPS && e.warp > 0u {
         let steered = warped(e.warp - 1u, v);
         v = steered.place;
         share /= steered.density;
     }
     if HAS_DELTA_LIGHTS && e.kind == EMITTER_SUN {
-        return emit_sun(e, vec2(pick.rest, u.y), v, share);
+        return emit_sun(e, v, share);
     }
     var position = e.origin;
     var normal = e.e1;
@@ -123,7 +123,7 @@ fn aim_at_targets(p: vec3<f32>, v: vec2<f32>, choice: f32) -> Aim {
 }
 
 // The sun's disc, or the discs of the targets along the beam.
-fn emit_sun(e: PackedEmitter, u: vec2<f32>, v: vec2<f32>, share: f32) -> Start {
+fn emit_sun(e: PackedEmitter, v: vec2<f32>, share: f32) -> Start {
     let frame = basis(e.e1);
     if CAUSTIC && pass_info.targets > 0u {
         var total = 0.0;
@@ -148,6 +148,7 @@ fn emit_sun(e: PackedEmitter, u: vec2<f32>, v: vec2<f32>, share: f32) -> Start {
         let origin = through - e.e1 * dot(through - e.origin, e.e1);
         return Start(origin, e.e1, e.strength * (share * PI * total / f32(hits)));
     }
-    let d = sample_disc(u) * e.e2.x;
+    // one direction, from any place: it is the place that can be steered
+    let d = sample_disc(v) * e.e2.x;
     return Start(e.origin + frame[0] * d.x + frame[1] * d.y, e.e1, e.flux * share);
 }

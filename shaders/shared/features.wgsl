@@ -5,5 +5,7 @@ override HAS_SPECULAR: bool = true;
 override HAS_DIELECTRIC: bool = true;
 override HAS_GLOSSY: bool = true;
 override HAS_PATH_FILTER: bool = true;
+// Some emitter has a warp.
+override HAS_WARPS: bool = true;
 // Some light is a point, a spot or a sun.
 override HAS_DELTA_LIGHTS: bool = true;

@@ -45,6 +45,9 @@ pub(super) struct BenchArguments {
     /// Light paths to render, as for `joton render`.
     #[arg(long, value_name = "EXPR")]
     paths: Option<String>,
+    /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    no_skip: Vec<String>,
     /// Write PREFIX.csv, PREFIX.summary.csv and PREFIX.svg.
     #[arg(short, long, value_name = "PREFIX", default_value = "bench")]
     output: String,
@@ -206,7 +209,7 @@ fn load(
         let what = format!("{}: has {of_scene} pixels, its reference {of_reference}", file.display());
         return Err(Error::usage(what, format!("add --size {of_reference}")));
     }
-    let mut settings = Settings::default();
+    let mut settings = Settings { keep: super::render::kept(&a.no_skip)?, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }

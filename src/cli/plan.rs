@@ -17,6 +17,9 @@ pub(super) struct PlanArguments {
     /// Light paths to render, e.g. "LS+DE".
     #[arg(long, value_name = "EXPR")]
     paths: Option<String>,
+    /// Do what the scene does not need, too: all, or names as they are told here.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    no_skip: Vec<String>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -25,7 +28,7 @@ pub(super) struct PlanArguments {
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let scene = joton::scene::load(&a.scene)?;
     let packed = PackedScene::new(&scene);
-    let mut settings = Settings::default();
+    let mut settings = Settings { keep: super::render::kept(&a.no_skip)?, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
@@ -40,7 +43,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "caustic_jotons": plan.caustic_jotons,
             "diffuse_jotons": plan.diffuse_jotons,
             "shadow_rays": plan.settings.shadow_rays,
-            "warps": plan.guide.warps().len(),
+            "warps": plan.guides.caustic.warps().len() + plan.guides.diffuse.warps().len(),
             "caustic_radius": plan.caustic.base * scale,
             "diffuse_radius": plan.diffuse.base * scale,
             "skipped": plan.skipped,
@@ -61,15 +64,22 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             say(format_args!("{what}: {jotons} jotons a pass, radius {:.4}", schedule.base * scale));
         }
     }
-    if !plan.guide.is_empty() {
-        let warps = plan.guide.warps().len();
-        say(format_args!("caustic jotons: lamps picked by what the camera can use, {warps} of them warped"));
+    for (what, guide) in [
+        ("caustic jotons", &plan.guides.caustic),
+        ("diffuse jotons", &plan.guides.diffuse),
+        ("shadow rays", &plan.guides.direct),
+    ] {
+        if !guide.is_empty() {
+            let warps = guide.warps().len();
+            say(format_args!("{what}: lamps picked by what the camera can use, {warps} of them warped"));
+        }
     }
     if plan.traces(Layer::Direct) {
         say(format_args!("direct light: {} shadow rays a pixel and pass", plan.settings.shadow_rays));
     }
     for s in &plan.skipped {
-        say(format_args!("skipped {}: {}", s.what, s.why));
+        let (what, name, why, back) = (s.what.words(), s.what.name(), s.why.words(), s.why.back());
+        say(format_args!("skipped {what} ({name}): {why}; back with {back}"));
     }
     for w in &scene.warnings {
         say(format_args!("warning {w}"));

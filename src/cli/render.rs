@@ -8,7 +8,7 @@ use joton::film;
 use joton::output::{self, display, exr, png};
 use joton::pack::PackedScene;
 use joton::paths::LightPaths;
-use joton::plan::{Plan, SHADOW_RAYS, Settings};
+use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
 use joton::render::{Progress, Reason, Stop, render};
 use joton::report::{Circumstances, KernelTime, Report};
 use joton::{Error, Result};
@@ -53,6 +53,9 @@ pub(super) struct RenderArguments {
     /// Shadow rays for each pixel and pass.
     #[arg(long, default_value_t = SHADOW_RAYS, value_parser = clap::value_parser!(u32).range(1..=32))]
     shadow_rays: u32,
+    /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    no_skip: Vec<String>,
     /// Exposure of PNG files: auto, or a number of stops.
     #[arg(long, default_value = "auto", allow_negative_numbers = true)]
     exposure: display::Exposure,
@@ -78,7 +81,8 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         kind_of(path)?;
     }
     check_outputs(&a.scene, outputs.iter().chain(&a.report))?;
-    let mut settings = Settings { seed: a.seed, shadow_rays: a.shadow_rays, ..Settings::default() };
+    let keep = kept(&a.no_skip)?;
+    let mut settings = Settings { seed: a.seed, shadow_rays: a.shadow_rays, keep, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }
@@ -179,6 +183,11 @@ fn kind_of(path: &Path) -> Result<Kind> {
             "give a name that ends in .exr or .png",
         )),
     }
+}
+
+/// What `--no-skip` keeps.
+pub(super) fn kept(words: &[String]) -> Result<Vec<Part>> {
+    Ok(words.iter().map(|word| Part::parse(word)).collect::<Result<Vec<_>>>()?.concat())
 }
 
 /// Without -o: NAME.png and NAME.exr in the current folder.

@@ -28,7 +28,7 @@ pub const STREAMS: [u32; 10] = [
 pub const DIMENSIONS: [u32; 6] =
     [DIMENSION_EYE, DIMENSION_BSDF, DIMENSION_CAUSTIC, DIMENSION_DIFFUSE, DIMENSION_PATH, DIMENSION_GLINT];
 
-/// Origin, direction and flux of joton `index`, of `count` a pass, caustic ones by a guide; none where it would carry nothing.
+/// Origin, direction and flux of joton `index`, of `count` a pass, by a guide; none where it would carry nothing.
 pub fn emit(
     scene: &PackedScene,
     guide: &Guide,
@@ -42,7 +42,7 @@ pub fn emit(
     let start = if caustic {
         emit::aimed(scene, guide, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)
     } else {
-        Some(emit::by_law(scene, draw(STREAM_DIFFUSE_PLACE), draw(STREAM_DIFFUSE_DIRECTION), count))
+        Some(emit::by_law(scene, guide, draw(STREAM_DIFFUSE_PLACE), draw(STREAM_DIFFUSE_DIRECTION), count))
     };
     start.map(|Start { origin, direction, flux }| (origin, direction, flux))
 }

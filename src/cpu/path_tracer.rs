@@ -3,7 +3,6 @@
 //! Every class of path, caustics included (found by chance). Slow where a path tracer is slow, and unbiased: ground
 //! truth for the maps. Paths are classed and filtered by their events in light order.
 
-use super::direct::{pdf_light, sample_light};
 use super::eye::camera_ray;
 use super::streams::DIMENSION_PATH;
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
@@ -12,6 +11,7 @@ use crate::error::Result;
 use crate::film::{LAYERS, Layer};
 use crate::layout::SURVIVAL_MAX;
 use crate::optics::bsdf::{Boundary, eval_d, pdf_d, reflectance_d, sample_d, sample_mirror};
+use crate::optics::light::{pdf_light, sample_light};
 use crate::optics::ray::{Surface, lift, visible};
 use crate::pack::PackedScene;
 use crate::paths::{Event, LightPaths};
@@ -150,7 +150,7 @@ impl<'a> Path<'a> {
             self.rays += 1;
             let Some(s) = Surface::hit(scene, &ray) else { return };
             if s.front && s.flags().is_emissive() {
-                let weight = pdf_last.map_or(1.0, |pdf| pdf / (pdf + pdf_light(scene, &s)));
+                let weight = pdf_last.map_or(1.0, |pdf| pdf / (pdf + pdf_light(&scene.emitters, &s)));
                 self.found(&scale(&mul(&throughput, &s.material.emission), weight));
             }
             let [u_way, u0, u1, u_lobe] = self.random(0);
@@ -211,7 +211,7 @@ impl<'a> Path<'a> {
     /// A shadow ray to an emitter.
     fn next_event(&mut self, s: &Surface, throughput: &Bands, u: [f32; 2]) {
         let origin = lift(s.position, s.ng, s.triangle);
-        let Some(l) = sample_light(self.scene, origin, u) else { return };
+        let Some(l) = sample_light(&self.scene.emitters, origin, u) else { return };
         let cos_s = l.wi.dot(s.ns);
         if cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
             return;

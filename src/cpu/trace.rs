@@ -70,7 +70,9 @@ impl Tracer<'_> {
     fn caustic(&mut self, i: u32, count: u32) {
         let place = self.sobol(i, count, STREAM_CAUSTIC_PLACE);
         let towards = self.sobol(i, count, STREAM_CAUSTIC_DIRECTION);
-        let Some(start) = aimed(self.scene, &self.plan.guide, place, towards, count as f32) else { return };
+        let Some(start) = aimed(self.scene, &self.plan.guides.caustic, place, towards, count as f32) else {
+            return;
+        };
         self.follow::<true>(i, start, DIMENSION_CAUSTIC);
     }
 
@@ -78,7 +80,7 @@ impl Tracer<'_> {
     fn diffuse(&mut self, i: u32, count: u32) {
         let place = self.sobol(i, count, STREAM_DIFFUSE_PLACE);
         let towards = self.sobol(i, count, STREAM_DIFFUSE_DIRECTION);
-        let start = by_law(self.scene, place, towards, count as f32);
+        let start = by_law(self.scene, &self.plan.guides.diffuse, place, towards, count as f32);
         add_flux(&mut self.tally.emitted, &start.flux, 1.0);
         self.follow::<false>(i, start, DIMENSION_DIFFUSE);
     }

@@ -48,7 +48,9 @@ impl<'a> Harness<'a> {
     /// # Errors
     /// [`crate::Error::Capacity`] where it does not fit.
     pub fn with_scene(context: &'a Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
-        let buffers = scene_buffers::upload(context, scene, plan)?;
+        let mut buffers = scene_buffers::upload(context, scene, plan)?;
+        let warps = buffers["warps_caustic"].clone();
+        buffers.insert("warps", warps);
         Ok(Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) })
     }
 

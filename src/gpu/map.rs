@@ -181,10 +181,11 @@ impl Map {
         kernels: &MapKernels,
         buffers: &Buffers,
     ) -> Result<Self> {
-        let (tallies, emitters) = match kind {
-            Kind::Caustic => ("tallies_caustic", "emitters_caustic"),
-            Kind::Diffuse => ("tallies_diffuse", "emitters"),
+        let [tallies, emitters, warps] = match kind {
+            Kind::Caustic => ["tallies_caustic", "emitters_caustic", "warps_caustic"],
+            Kind::Diffuse => ["tallies_diffuse", "emitters_diffuse", "warps_diffuse"],
         };
+        let names = [("tallies", tallies), ("emitters", emitters), ("warps", warps)];
         let scan = |values: &'static str| -> Result<[Step; 3]> {
             let names = [("values", values)];
             Ok([
@@ -212,7 +213,7 @@ impl Map {
             shape,
             key_bits,
             chunk: shape.chunk(context.is_software()),
-            trace: trace.bind(context, buffers, &[("tallies", tallies), ("emitters", emitters)])?,
+            trace: trace.bind(context, buffers, &names)?,
             lane_counts: kernels.lane_counts.bind(context, buffers, &[])?,
             lane_scan: scan("lane_starts")?,
             keys: kernels.keys.bind(context, buffers, &[("keys", "keys_a"), ("places", "places_a")])?,

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::film::Layer;
 use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
 use crate::pack::PackedScene;
-use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
+use crate::plan::{CAUSTIC_FOOTPRINTS, Part, Plan};
 
 /// The compiled kernels.
 pub(super) struct Kernels {
@@ -48,8 +48,10 @@ impl Kernels {
         ];
         let compile = |path: &str| Kernel::new(context, path, "main", &features);
         let with = |path: &str, caustic: bool| {
+            let guide = if caustic { &plan.guides.caustic } else { &plan.guides.diffuse };
+            let has_warps = !guide.warps().is_empty() || plan.settings.keeps(Part::Warps);
             let mut overrides = features.to_vec();
-            overrides.push(("CAUSTIC", flag(caustic)));
+            overrides.extend([("CAUSTIC", flag(caustic)), ("HAS_WARPS", flag(has_warps))]);
             Kernel::new(context, path, "main", &overrides)
         };
         let (caustic, diffuse) = (plan.traces(Layer::Caustic), plan.traces(Layer::Diffuse));
@@ -144,7 +146,7 @@ impl Steps {
                 ]),
                 None => None,
             },
-            direct: optional(&kernels.direct, &[])?,
+            direct: optional(&kernels.direct, &[("emitters", "emitters_direct")])?,
             boundary: optional(&kernels.boundary, &[])?,
             clip: optional(&kernels.clip, &[])?,
             maps,

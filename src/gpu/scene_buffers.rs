@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::layout::{
     AreaPoint, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS, SMALL_NODE_WORDS, SMALL_TRIANGLES,
 };
-use crate::pack::{MAX_WARPS, PackedScene, Target, WARP_WORDS};
+use crate::pack::{Guide, MAX_WARPS, PackedScene, Target, WARP_WORDS};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
 use glam::{Vec2, Vec3};
@@ -33,10 +33,8 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     };
     let mut targets = [Target { center: Vec3::ZERO, radius: 0.0 }; TARGETS];
     targets[..scene.targets.len()].copy_from_slice(&scene.targets);
-    let mut warps = vec![0u32; MAX_WARPS * WARP_WORDS];
-    for (place, warp) in warps.chunks_exact_mut(WARP_WORDS).zip(plan.guide.warps()) {
-        place.copy_from_slice(&warp.words());
-    }
+    let guides = &plan.guides;
+    let [warps_caustic, warps_diffuse] = [&guides.caustic, &guides.diffuse].map(warp_words);
     let mut buffers = Buffers::new();
     let mut contents: Vec<(&'static str, &[u8])> = vec![
         ("nodes", bytemuck::cast_slice(&nodes)),
@@ -45,8 +43,15 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         ("materials", bytemuck::cast_slice(&scene.materials)),
         ("emitters", bytemuck::cast_slice(&scene.emitters)),
     ];
-    if !plan.guide.is_empty() {
-        contents.push(("emitters_caustic", bytemuck::cast_slice(plan.guide.emitters(&scene.emitters))));
+    let learned = [
+        ("emitters_direct", &guides.direct),
+        ("emitters_caustic", &guides.caustic),
+        ("emitters_diffuse", &guides.diffuse),
+    ];
+    for (name, guide) in learned {
+        if !guide.is_empty() {
+            contents.push((name, bytemuck::cast_slice(guide.emitters(&scene.emitters))));
+        }
     }
     let sizes: Vec<(&'static str, u64)> =
         contents.iter().map(|(n, bytes)| (*n, bytes.len() as u64)).collect();
@@ -64,13 +69,16 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         context.queue.write_buffer(&buffer, 0, bytes);
         buffers.insert(name, buffer);
     }
-    let emitters = buffers["emitters"].clone();
-    buffers.entry("emitters_caustic").or_insert(emitters);
+    for (name, _) in learned {
+        let emitters = buffers["emitters"].clone();
+        buffers.entry(name).or_insert(emitters);
+    }
     let filter = path_filter(&plan.settings.paths);
     for (name, bytes) in [
         ("targets", bytemuck::bytes_of(&targets)),
         ("path_filter", bytemuck::bytes_of(&filter)),
-        ("warps", bytemuck::cast_slice(&warps)),
+        ("warps_caustic", bytemuck::cast_slice(&warps_caustic)),
+        ("warps_diffuse", bytemuck::cast_slice(&warps_diffuse)),
     ] {
         let buffer = uniform(context, name, bytes.len() as u64);
         context.queue.write_buffer(&buffer, 0, bytes);
@@ -79,6 +87,15 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     buffers.insert("ring", uniform(context, "ring", RING_BYTES));
     context.check()?;
     Ok(buffers)
+}
+
+/// The warps of a guide as the kernels read them; zeros where there are fewer.
+pub(super) fn warp_words(guide: &Guide) -> Vec<u32> {
+    let mut words = vec![0u32; MAX_WARPS * WARP_WORDS];
+    for (place, warp) in words.chunks_exact_mut(WARP_WORDS).zip(guide.warps()) {
+        place.copy_from_slice(&warp.words());
+    }
+    words
 }
 
 /// True for a scene that fits into uniform buffers.

@@ -57,14 +57,21 @@ pub(crate) fn falloff(e: &PackedEmitter, direction: Vec3) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// A start by the emitters' own law; `count` jotons a pass.
-pub(crate) fn by_law(scene: &PackedScene, place: [f32; 2], towards: [f32; 2], count: f32) -> Start {
-    let (e, rest) = pick(&scene.emitters, place[0]);
-    law_of(e, [rest, place[1]], towards, 1.0 / (e.pick * count))
+/// A start by the law of an emitter that the guide picks, the way that it steers; `count` jotons a pass.
+pub(crate) fn by_law(
+    scene: &PackedScene,
+    guide: &Guide,
+    place: [f32; 2],
+    towards: [f32; 2],
+    count: f32,
+) -> Start {
+    let (e, rest) = pick(guide.emitters(&scene.emitters), place[0]);
+    let (towards, density) = guide.steer(e, towards);
+    law_of(e, [rest, place[1]], towards, 1.0 / (e.pick * count * density))
 }
 
 /// A start by the law of one emitter; `share` of its flux.
-fn law_of(e: &PackedEmitter, place: [f32; 2], towards: [f32; 2], share: f32) -> Start {
+pub(crate) fn law_of(e: &PackedEmitter, place: [f32; 2], towards: [f32; 2], share: f32) -> Start {
     match kind(e) {
         EmitterKind::Triangle => {
             let (origin, normal) = place_on(e, place);
@@ -84,7 +91,8 @@ fn law_of(e: &PackedEmitter, place: [f32; 2], towards: [f32; 2], share: f32) -> 
             }
         }
         EmitterKind::Sun => {
-            let [x, y] = disc(place);
+            // one direction, from any place: it is the place that can be steered
+            let [x, y] = disc(towards);
             let offset = to_world(Vec3::new(x * e.e2.x, y * e.e2.x, 0.0), e.e1);
             Start { origin: e.origin + offset, direction: e.e1, flux: scale(&e.flux, share) }
         }

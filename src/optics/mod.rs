@@ -3,6 +3,7 @@
 
 pub mod bsdf;
 pub(crate) mod emit;
+pub(crate) mod light;
 pub(crate) mod odds;
 pub(crate) mod ray;
 pub mod sampling;

@@ -43,7 +43,7 @@ gpu_struct! {
         pub pick: f32,
         /// Flux, internal W per band: π A Le; 4π I; the cone's integral; E times the disc's area.
         pub flux: Bands,
-        /// Number of the warp that steers its caustic jotons, from 1; 0 where none does.
+        /// Number of the warp that steers its jotons, from 1; 0 where none does.
         pub warp: u32,
     }
 }

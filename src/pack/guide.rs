@@ -1,4 +1,5 @@
-//! Guide: how the emission of caustic jotons is steered by what was learned; tables that both backends read.
+//! Guide: how emission, or the picking of lights for shadow rays, is steered by what was learned; tables that both backends
+//! read.
 
 use super::emitters::{PackedEmitter, cumulative_steps, set_picks};
 
@@ -11,7 +12,7 @@ const WARP_STEPS: u32 = 1 << 16;
 /// Words of a warp: the rows, and the columns within each.
 pub const WARP_WORDS: usize = (WARP_BINS + WARP_BINS * WARP_BINS) / 2;
 
-/// Steers the emission of caustic jotons. The default steers nothing.
+/// Steers the emission of jotons of one map, or of shadow rays. The default steers nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Guide {
     /// The scene's emitters with pick probabilities of their own, and their warps; empty where they are the scene's.
@@ -45,12 +46,12 @@ impl Guide {
         Self { emitters, warps, gain }
     }
 
-    /// The emitters that caustic jotons are picked from; `scene` where nothing was learned.
+    /// The emitters that are picked from; `scene` where nothing was learned.
     pub fn emitters<'a>(&'a self, scene: &'a [PackedEmitter]) -> &'a [PackedEmitter] {
         if self.is_empty() { scene } else { &self.emitters }
     }
 
-    /// True where jotons are emitted as if nothing had been learned.
+    /// True where all is done as if nothing had been learned.
     pub fn is_empty(&self) -> bool {
         self.emitters.is_empty()
     }
@@ -60,7 +61,7 @@ impl Guide {
         &self.warps
     }
 
-    /// Where a caustic joton of `emitter` goes instead of `towards`, in the unit square, and the density of going there.
+    /// Where a joton of `emitter` goes instead of `towards`, in the unit square, and the density of going there.
     pub fn steer(&self, emitter: &PackedEmitter, towards: [f32; 2]) -> ([f32; 2], f32) {
         match emitter.warp {
             0 => (towards, 1.0),

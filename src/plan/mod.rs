@@ -1,16 +1,20 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
+mod facts;
 mod learn;
 mod pilot;
 mod radius;
 mod seen;
+mod skip;
 
 pub use pilot::Pilot;
 pub use radius::{Schedule, area_group, shrink};
+pub use skip::{Part, Reason, Skip};
 
 use crate::film::{LAYERS, Layer};
 use crate::pack::{EmitterKind, Guide, PackedScene};
 use crate::paths::LightPaths;
+use seen::Seen;
 use std::sync::Arc;
 
 /// What the user asked for, as far as it changes the plan.
@@ -22,6 +26,15 @@ pub struct Settings {
     pub paths: LightPaths,
     /// Shadow rays per gather point and pass.
     pub shadow_rays: u32,
+    /// What is not skipped, whether the scene needs it or not.
+    pub keep: Vec<Part>,
+}
+
+impl Settings {
+    /// True for what is done whether the scene needs it or not.
+    pub fn keeps(&self, part: Part) -> bool {
+        self.keep.contains(&part)
+    }
 }
 
 /// Shadow rays that pay: where light is soft they halve the noise of direct light for a tenth of a pass.
@@ -29,7 +42,7 @@ pub const SHADOW_RAYS: u32 = 2;
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS }
+        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS, keep: Vec::new() }
     }
 }
 
@@ -40,8 +53,8 @@ pub struct Plan {
     pub settings: Settings,
     /// What was found by looking at the scene through the camera.
     pub pilot: Pilot,
-    /// What was learned of where the light of caustics comes from.
-    pub guide: Arc<Guide>,
+    /// What was learned of where the light in view comes from.
+    pub guides: Arc<Guides>,
     /// Which of [`Layer::ALL`] is traced.
     pub layers: [bool; LAYERS],
     /// What the kernels must be able to do.
@@ -58,6 +71,17 @@ pub struct Plan {
     pub diffuse: Schedule,
     /// What is not done, and why.
     pub skipped: Vec<Skip>,
+}
+
+/// How lights are picked and jotons steered, by what was learned [E20].
+#[derive(Debug, Clone, Default)]
+pub struct Guides {
+    /// For the jotons of the caustic map.
+    pub caustic: Guide,
+    /// For the jotons of the diffuse map.
+    pub diffuse: Guide,
+    /// For shadow rays.
+    pub direct: Guide,
 }
 
 /// What the kernels must be able to do for this scene; the rest is compiled out.
@@ -77,15 +101,6 @@ pub struct Features {
     pub path_filter: bool,
 }
 
-/// Something that is not done.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct Skip {
-    /// What is left out.
-    pub what: &'static str,
-    /// Why that changes nothing in the image.
-    pub why: &'static str,
-}
-
 /// A gather point's caustic radius lies between these multiples of its pixel's footprint …
 pub const CAUSTIC_FOOTPRINTS: [f32; 2] = [0.7, 4.0];
 /// … and is chosen so that about this many jotons are found in the pilot pass where emission is not steered. Where it is,
@@ -102,6 +117,9 @@ const ALPHA: f64 = 2.0 / 3.0;
 const DIFFUSE_RADIUS: f64 = 0.0344;
 /// See [`DIFFUSE_RADIUS`].
 const DIFFUSE_REFERENCE_JOTONS: f64 = 49_152.0;
+/// Jotons are traced for the pixels that see a surface alone where these are less than this part: what is learned of a few
+/// thousand paths is not exact, and scenes without a background shall not differ by it.
+const BACKGROUND: f64 = 0.7;
 /// The diffuse radius is at most this part of the image's width, and at least this many footprints.
 const DIFFUSE_LIMITS: [f64; 2] = [2.0, 0.08];
 /// Jotons a pass for the diffuse map: between these, and about as many as pixels.
@@ -113,79 +131,28 @@ impl Plan {
     /// Decide what a scene needs.
     pub fn new(scene: &PackedScene, mut settings: Settings) -> Self {
         let pilot = Pilot::look(scene);
-        let has = |f: &dyn Fn(crate::pack::MaterialFlags) -> bool| {
-            scene.triangles.iter().any(|t| f(scene.materials[t.material as usize].flags()))
-        };
-        let features = Features {
-            smooth_normals: !scene.shading_normals.is_empty(),
-            specular: has(&|m| m.has_delta() && !m.is_dielectric()),
-            dielectric: has(&|m| m.is_dielectric()),
-            glossy: has(&|m| m.has_glossy()),
-            delta_lights: scene.emitters.iter().any(|e| e.kind != 0),
-            path_filter: !settings.paths.is_everything(),
-        };
-        let wanted = settings.paths.layers();
-        let mut skipped = Vec::new();
-        let mut layers = [true; LAYERS];
-        let mut skip = |layer: Layer, what, why| {
-            if layers[layer as usize] {
-                layers[layer as usize] = false;
-                skipped.push(Skip { what, why });
-            }
-        };
-        if !features.specular && !features.dielectric {
-            skip(Layer::Caustic, "caustic map", "no surface mirrors or refracts");
-        }
-        if !scene.emitters.iter().any(|e| e.kind == 0) {
-            skip(Layer::Emission, "emission", "no surface emits");
-        }
-        if scene.diffuse_area == 0.0 {
-            let why = "no surface is diffuse";
-            skip(Layer::Direct, "direct light", why);
-            skip(Layer::Caustic, "caustic map", why);
-            skip(Layer::Diffuse, "diffuse map", why);
-        }
-        let why = "--paths excludes it";
-        for (layer, what) in
-            Layer::ALL.into_iter().zip(["emission", "direct light", "caustic map", "diffuse map"])
-        {
-            if !wanted[layer as usize] {
-                skip(layer, what, why);
-            }
-        }
-        for (on, what, why) in [
-            (features.specular, "mirrors", "no surface mirrors"),
-            (features.dielectric, "refraction", "no surface refracts"),
-            (features.glossy, "glossy lobes", "no surface is glossy"),
-            (features.smooth_normals, "shading normals", "every triangle is flat"),
-            (features.delta_lights, "point, spot and sun lights", "every light is a surface"),
-            (features.path_filter, "light path filter", "all light paths are wanted"),
-        ] {
-            if !on {
-                skipped.push(Skip { what, why });
-            }
-        }
-
+        let seen = Seen::look(scene, settings.seed);
+        let mut skips = Skips { keep: settings.keep.clone(), skipped: Vec::new() };
+        let layers = layers(scene, &settings, &mut skips);
+        let features = features(scene, &settings, &mut skips);
         if let [light] = &scene.emitters[..]
             && light.kind != EmitterKind::Triangle as u32
             && settings.shadow_rays > 1
+            && skips.skip(Part::FurtherShadowRays, Reason::OneDirection)
         {
             settings.shadow_rays = 1;
-            skipped
-                .push(Skip { what: "further shadow rays", why: "the only light is a point or a direction" });
         }
+        let traces = |layer: Layer| layers[layer as usize];
+        let guides = guides(scene, settings.seed, &seen, traces, &mut skips);
 
-        // of the scene and the seed alone: --paths must not change what is learned
-        let traced = layers[Layer::Caustic as usize];
-        let guide = if traced { learn::guide(scene, settings.seed) } else { Guide::default() };
-
-        let pixels = scene.pixels() as u32;
+        let few = seen.share() < BACKGROUND && skips.skip(Part::Background, Reason::MuchBackground);
+        let pixels = (scene.pixels() as f64 * if few { seen.share() } else { 1.0 }) as u32;
         let jotons = |layer: Layer, n: u32, [least, most]: [u32; 2]| {
-            if layers[layer as usize] { n.clamp(least, most) } else { 0 }
+            if traces(layer) { n.clamp(least, most) } else { 0 }
         };
         let diffuse_wanted = (pixels / 4 * 3).clamp(DIFFUSE_JOTONS[0], DIFFUSE_JOTONS[1]);
         let diffuse_jotons = jotons(Layer::Diffuse, diffuse_wanted, DIFFUSE_JOTONS);
-        let caustic_share = if pilot::aimed(scene, &guide) { pixels / 2 } else { pixels };
+        let caustic_share = if pilot::aimed(scene, &guides.caustic) { pixels / 2 } else { pixels };
         let caustic_jotons = jotons(Layer::Caustic, caustic_share, CAUSTIC_JOTONS);
         let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_wanted)).sqrt();
         let footprint = f64::from(pilot.footprint_median);
@@ -196,15 +163,15 @@ impl Plan {
         let caustic = f64::from(CAUSTIC_FOOTPRINTS[1] * pilot.footprint_large);
         Self {
             settings,
-            caustic_wanted: (CAUSTIC_WANTED * guide.gain.powf(WANTED_GAIN)) as f32,
-            guide: Arc::new(guide),
+            caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
+            guides: Arc::new(guides),
             layers,
             features,
             caustic_jotons,
             diffuse_jotons,
             caustic: Schedule { base: caustic, alpha: ALPHA },
             diffuse: Schedule { base: diffuse, alpha: ALPHA },
-            skipped,
+            skipped: skips.skipped,
             pilot,
         }
     }
@@ -225,4 +192,98 @@ impl Plan {
     pub fn traces(&self, layer: Layer) -> bool {
         self.layers[layer as usize]
     }
+}
+
+/// What is skipped, as it is decided.
+struct Skips {
+    keep: Vec<Part>,
+    skipped: Vec<Skip>,
+}
+
+impl Skips {
+    /// Skip a part, unless it is to be kept; whether it is skipped.
+    fn skip(&mut self, what: Part, why: Reason) -> bool {
+        let skips = !self.keep.contains(&what);
+        if skips {
+            self.skipped.push(Skip { what, why });
+        }
+        skips
+    }
+}
+
+/// Which layers are traced.
+fn layers(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> [bool; LAYERS] {
+    let wanted = settings.paths.layers();
+    // in the order of the layers, the reasons of each in order of weight
+    let reasons = [
+        [(!facts::has_emissive_surface(scene)).then_some(Reason::NoEmissiveSurface), None, None],
+        [(!facts::has_diffuse_surface(scene)).then_some(Reason::NoDiffuseSurface), None, None],
+        [
+            (!facts::has(scene, |m| m.has_delta())).then_some(Reason::NoSpecularSurface),
+            (!facts::has_diffuse_surface(scene)).then_some(Reason::NoDiffuseSurface),
+            (!facts::lights_reach_targets(scene)).then_some(Reason::SpecularInTheDark),
+        ],
+        [
+            (!facts::has_diffuse_surface(scene)).then_some(Reason::NoDiffuseSurface),
+            facts::reflects_in_one_plane(scene).then_some(Reason::OnePlane),
+            None,
+        ],
+    ];
+    let parts = [Part::Emission, Part::DirectLight, Part::CausticMap, Part::DiffuseMap];
+    std::array::from_fn(|layer| {
+        let unwanted = (!wanted[layer]).then_some(Reason::ExcludedByPaths);
+        match reasons[layer].into_iter().flatten().chain(unwanted).next() {
+            Some(reason) => !skips.skip(parts[layer], reason),
+            None => true,
+        }
+    })
+}
+
+/// What the kernels must be able to do.
+fn features(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> Features {
+    let mut needs = |needed: bool, part, why| needed || !skips.skip(part, why);
+    Features {
+        specular: needs(
+            facts::has(scene, |m| m.has_delta() && !m.is_dielectric()),
+            Part::Mirrors,
+            Reason::NoMirror,
+        ),
+        dielectric: needs(facts::has(scene, |m| m.is_dielectric()), Part::Refraction, Reason::NoDielectric),
+        glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
+        smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
+        delta_lights: needs(
+            scene.emitters.iter().any(|e| e.kind != EmitterKind::Triangle as u32),
+            Part::DeltaLights,
+            Reason::AllLightsAreSurfaces,
+        ),
+        path_filter: needs(!settings.paths.is_everything(), Part::PathFilter, Reason::AllPathsWanted),
+    }
+}
+
+/// What is learned, of the scene and the seed alone: --paths must not change it.
+fn guides(
+    scene: &PackedScene,
+    seed: u32,
+    seen: &Seen,
+    traces: impl Fn(Layer) -> bool,
+    skips: &mut Skips,
+) -> Guides {
+    let mut guides = Guides::default();
+    if traces(Layer::Caustic) {
+        guides.caustic = learn::jotons(scene, seed, seen, learn::Class::Caustic);
+    }
+    if traces(Layer::Diffuse) {
+        guides.diffuse = learn::jotons(scene, seed, seen, learn::Class::Diffuse);
+    }
+    if traces(Layer::Direct) {
+        guides.direct = learn::direct(scene, seed, seen);
+    }
+    let all = [&guides.caustic, &guides.diffuse, &guides.direct];
+    if all.iter().any(|g| !g.is_empty()) && !skips.skip(Part::UnseenLight, Reason::LightElsewhere) {
+        guides = Guides::default();
+    }
+    if [&guides.caustic, &guides.diffuse].iter().all(|g| g.warps().is_empty()) {
+        skips.skip(Part::Warps, Reason::NothingLearned);
+    }
+    guides
 }

@@ -10,8 +10,6 @@ pub struct Pilot {
     pub footprint_median: f32,
     /// The same, exceeded by few pixels only.
     pub footprint_large: f32,
-    /// Part of the pixels that see a diffuse surface, directly or through specular ones.
-    pub diffuse_share: f32,
 }
 
 /// Rays across and down.
@@ -34,18 +32,13 @@ impl Pilot {
             })
             .map(|length| length * scene.pixel_angle())
             .collect();
-        let seen = footprints.len();
         if footprints.is_empty() {
             // nothing diffuse is in view: any size will do
             footprints.push((scene.bounds[1] - scene.bounds[0]).length() * scene.pixel_angle());
         }
         footprints.sort_by(f32::total_cmp);
         let quantile = |q: f32| footprints[((footprints.len() - 1) as f32 * q) as usize];
-        Self {
-            footprint_median: quantile(0.5),
-            footprint_large: quantile(LARGE).min(quantile(0.5) * 8.0),
-            diffuse_share: seen as f32 / (RAYS * RAYS) as f32,
-        }
+        Self { footprint_median: quantile(0.5), footprint_large: quantile(LARGE).min(quantile(0.5) * 8.0) }
     }
 }
 

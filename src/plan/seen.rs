@@ -3,7 +3,7 @@
 use crate::bands::{BANDS, Bands, mul, scale};
 use crate::optics::bsdf::{Boundary, specular_direction};
 use crate::optics::odds::Odds;
-use crate::optics::ray::{Ray, Surface};
+use crate::optics::ray::{Ray, Surface, lift};
 use crate::pack::PackedScene;
 use crate::rng::{random4, sequence_seed, sobol2};
 use glam::Vec3;
@@ -23,11 +23,26 @@ const FACING: f32 = 0.5;
 const STREAM_SEEN: u32 = 0x200;
 const DIMENSION_SEEN: u32 = 0x10_0000;
 
+/// A place where a camera path meets its first diffuse surface.
+pub(super) struct SeenPoint {
+    /// The place, lifted off the surface.
+    pub(super) origin: Vec3,
+    /// Shading normal on the side that is seen.
+    pub(super) normal: Vec3,
+    position: Vec3,
+    geometric: Vec3,
+    /// Length of the path.
+    length: f32,
+}
+
 /// Cells in which gather points lie: level and place, and along which of the six axes surfaces face there.
 pub(super) struct Seen {
     cells: HashMap<[i32; 4], u8>,
     /// Levels in use; a cell of level k is 2^k internal units wide.
     levels: Vec<i32>,
+    points: Vec<SeenPoint>,
+    /// Camera paths, that ended somewhere or not.
+    paths: usize,
 }
 
 /// Bits of the axes that a normal looks along.
@@ -50,28 +65,38 @@ impl Seen {
     pub(super) fn look(scene: &PackedScene, seed: u32) -> Self {
         let paths = (scene.pixels() / PIXELS_PER_PATH).clamp(PATHS[0], PATHS[1]);
         let spacing = scene.pixel_angle() * (scene.pixels() as f32 / paths as f32).sqrt();
-        let points: Vec<(Vec3, Vec3, f32)> =
+        let points: Vec<SeenPoint> =
             (0..paths as u32).into_par_iter().filter_map(|i| gather_point(scene, seed, i)).collect();
         let mut cells: HashMap<[i32; 4], u8> = HashMap::new();
-        for (position, normal, length) in points {
-            let level = (SPACINGS * spacing * length).max(f32::MIN_POSITIVE).log2().ceil() as i32;
+        for p in &points {
+            let level = (SPACINGS * spacing * p.length).max(f32::MIN_POSITIVE).log2().ceil() as i32;
             let half = 0.5 * (level as f32).exp2();
             // all cells that a cube of one cell's size about the point touches
             for corner in 0..8u32 {
                 let sign = |bit: u32| if corner >> bit & 1 == 0 { -half } else { half };
-                let at = cell(position + Vec3::new(sign(0), sign(1), sign(2)), level);
-                *cells.entry(at).or_default() |= facing(normal);
+                let at = cell(p.position + Vec3::new(sign(0), sign(1), sign(2)), level);
+                *cells.entry(at).or_default() |= facing(p.geometric);
             }
         }
         let mut levels: Vec<i32> = cells.keys().map(|c| c[0]).collect();
         levels.sort_unstable();
         levels.dedup();
-        Self { cells, levels }
+        Self { cells, levels, points, paths }
     }
 
     /// True where the camera sees nothing diffuse.
     pub(super) fn is_empty(&self) -> bool {
         self.cells.is_empty()
+    }
+
+    /// Where camera paths ended on diffuse surfaces.
+    pub(super) fn points(&self) -> &[SeenPoint] {
+        &self.points
+    }
+
+    /// Part of the image that sees a diffuse surface, directly or through specular ones.
+    pub(super) fn share(&self) -> f64 {
+        self.points.len() as f64 / self.paths as f64
     }
 
     /// Width of the smallest cell about a place whose gather points face alike; none where the camera does not look.
@@ -83,8 +108,8 @@ impl Seen {
     }
 }
 
-/// Where a camera path meets its first diffuse surface: place, normal on the side that is seen, length of the path.
-fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<(Vec3, Vec3, f32)> {
+/// Where camera path `number` ends.
+fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint> {
     let [x, y] = sobol2(number, sequence_seed(seed, 0, STREAM_SEEN));
     let c = &scene.camera;
     let direction = (c.forward + c.right * (2.0 * x - 1.0) + c.up * (1.0 - 2.0 * y)).normalize();
@@ -94,7 +119,13 @@ fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<(Vec3, Ve
         let s = Surface::hit(scene, &ray)?;
         length += s.distance;
         if s.flags().has_diffuse() {
-            return Some((s.position, s.ng, length));
+            return Some(SeenPoint {
+                origin: lift(s.position, s.ng, s.triangle),
+                normal: s.ns,
+                position: s.position,
+                geometric: s.ng,
+                length,
+            });
         }
         let u = random4(seed, 0, number, DIMENSION_SEEN + event);
         ray = specular_step(&s, &[1.0; BANDS], event, u)?.0;

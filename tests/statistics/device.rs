@@ -4,7 +4,7 @@ use crate::common::{Row, Snippet, map_info, pass_info};
 use joton::gpu::Context;
 use joton::gpu::harness::Harness;
 use joton::pack::{Guide, PackedMaterial, PackedScene};
-use joton::plan::{Plan, Settings};
+use joton::plan::{Guides, Plan, Settings};
 use std::sync::Arc;
 
 const IMPORTS: &[&str] = &[
@@ -34,7 +34,7 @@ impl<'a> Device<'a> {
     /// Upload a scene whose caustic jotons a guide steers.
     pub fn guided(context: &'a Context, scene: &PackedScene, seed: u32, guide: &Guide) -> Self {
         let mut plan = Plan::new(scene, Settings::default());
-        plan.guide = Arc::new(guide.clone());
+        plan.guides = Arc::new(Guides { caustic: guide.clone(), ..Guides::default() });
         let mut harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
         harness.storage("emitters", guide.emitters(&scene.emitters));
         let mut pass = pass_info();

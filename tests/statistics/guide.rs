@@ -10,7 +10,7 @@ use glam::DVec3;
 use joton::cpu::harness;
 use joton::film::Layer;
 use joton::pack::{Guide, PackedScene, WARP_BINS, Warp};
-use joton::plan::Plan;
+use joton::plan::{Guides, Plan};
 use joton::scene::Light;
 use joton::stats::{Estimate, test_equal};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -36,6 +36,11 @@ fn misled(scene: &PackedScene) -> Guide {
         (0..count as u32).map(|i| 100f64.powf(joton::rng::random4(8, 0, i, 0)[0].into())).collect();
     let warps = vec![Warp::new(&haphazard(0)), Warp::new(&haphazard(1))];
     Guide::new(&scene.emitters, &weights, warps, |i| [Some(0), None, Some(1)][i % 3], 1.0)
+}
+
+/// Caustic jotons by a guide, everything else by none.
+fn caustic(guide: &Guide) -> Guides {
+    Guides { caustic: guide.clone(), ..Guides::default() }
 }
 
 /// Two in three bins of a warp's square are hit as often as their weights say, and the density tells it.
@@ -157,13 +162,12 @@ fn fixed_radius(plan: &mut Plan) {
 fn guided_caustics_are_the_same() {
     const SIZE: u32 = 24;
     let scene = Arc::new(PackedScene::new(&file("pool.toml", SIZE)));
-    assert!(!plan(&scene, CAUSTIC, 0).guide.warps().is_empty(), "something is learned");
+    assert!(!plan(&scene, CAUSTIC, 0).guides.caustic.warps().is_empty(), "something is learned");
     let images = |side, guide: Option<Guide>, first: u32| {
-        let guide = guide.map(Arc::new);
         let p = pictures(side, &scene, CAUSTIC, first..first + 6, 4, |plan| {
             fixed_radius(plan);
             if let Some(guide) = &guide {
-                plan.guide = Arc::clone(guide);
+                plan.guides = Arc::new(caustic(guide));
             }
         });
         layer(&p, Layer::Caustic)
@@ -182,6 +186,64 @@ fn guided_caustics_are_the_same() {
                     .map(|i| Estimate::from_renders(i, block).unwrap_or_else(|e| panic!("{e}")));
                 let outcome = test_equal(&a, &b).unwrap_or_else(|e| panic!("{e}"));
                 claims.add(format!("{side:?}, {name}, blocks of {block}"), outcome.p_value);
+            }
+        }
+    }
+    claims.hold();
+}
+
+/// A guide that has learned to look away: most jotons go one way, and least to the strongest lights.
+fn lopsided(scene: &PackedScene) -> Guide {
+    let weights: Vec<f64> = scene.emitters.iter().map(|e| 1.0 / (0.1 + f64::from(e.pick))).collect();
+    let bins: Vec<f64> = (0..BINS)
+        .map(|i| [1.0, 30.0][usize::from(i < BINS / 2)] * [1.0, 20.0][i / (WARP_BINS / 2) % 2])
+        .collect();
+    Guide::new(&scene.emitters, &weights, vec![Warp::new(&bins)], |_| Some(0), 1.0)
+}
+
+/// A box under a lamp, a point, a spot and a sun.
+fn box_under_all_kinds(size: u32) -> PackedScene {
+    let mut b = Builder { scene: file("cornell.toml", size) };
+    b.point_light([0.2, 0.4, 0.3], 0.3);
+    let (center, down) = (DVec3::new(0.4, 0.5, 0.2), DVec3::new(0.1, -1.0, 0.2).normalize());
+    let light = |intensity| Light::Spot {
+        position: center,
+        direction: down,
+        intensity: [intensity; 3],
+        cos_inner: 0.9,
+        cos_outer: 0.7,
+    };
+    b.scene.lights.push(light(0.5));
+    b.scene
+        .lights
+        .push(Light::Sun { direction: DVec3::new(0.1, -0.3, 1.0).normalize(), irradiance: [0.5; 3] });
+    PackedScene::new(&b.scene)
+}
+
+/// Direct and diffuse light are the same unguided and misled: shadow rays, starts and ways of all kinds of lights.
+#[test]
+fn guided_light_is_the_same() {
+    const SIZE: u32 = 24;
+    let scene = Arc::new(box_under_all_kinds(SIZE));
+    let mut claims = Claims::default();
+    for side in [Side::Host, Side::Device] {
+        if side == Side::Device && crate::common::device().is_none() {
+            continue;
+        }
+        let renders = |guide: &Guide, first: u32| {
+            pictures(side, &scene, "L.*E", first..first + 10, 4, |plan| {
+                plan.guides =
+                    Arc::new(Guides { diffuse: guide.clone(), direct: guide.clone(), ..Guides::default() });
+            })
+        };
+        let (plain, guided) = (renders(&Guide::default(), 0), renders(&lopsided(&scene), 20));
+        for which in [Layer::Direct, Layer::Diffuse] {
+            for block in [4, SIZE] {
+                let [a, b] = [&plain, &guided].map(|p| {
+                    Estimate::from_renders(&layer(p, which), block).unwrap_or_else(|e| panic!("{e}"))
+                });
+                let outcome = test_equal(&a, &b).unwrap_or_else(|e| panic!("{e}"));
+                claims.add(format!("{side:?}, {}, blocks of {block}", which.name()), outcome.p_value);
             }
         }
     }
@@ -217,7 +279,7 @@ fn noise(side: Side, lamps: u32, guide: Option<Guide>) -> f64 {
     let p = pictures(side, &scene, CAUSTIC, 0..10, 2, |plan| {
         fixed_radius(plan);
         if let Some(guide) = &guide {
-            plan.guide = Arc::new(guide.clone());
+            plan.guides = Arc::new(caustic(guide));
         }
     });
     let e = Estimate::from_renders(&layer(&p, Layer::Caustic), 1).unwrap_or_else(|e| panic!("{e}"));
@@ -253,7 +315,7 @@ fn learning_lowers_the_noise() {
 #[test]
 fn what_is_learned_does_not_depend_on_paths() {
     let scene = pool_and_lamps(24, LAMPS);
-    let guides = ["L.*E", CAUSTIC, "LSSDE|LDE"].map(|paths| plan(&scene, paths, 3).guide);
+    let guides = ["L.*E", CAUSTIC, "LSSDE|LDE"].map(|paths| plan(&scene, paths, 3).guides.caustic.clone());
     assert!(!guides[0].is_empty());
     // no dump of tables where they differ
     assert!(guides[0] == guides[1] && guides[0] == guides[2]);
@@ -275,7 +337,7 @@ fn every_light_keeps_a_share() {
         PackedScene::new(&b.scene)
     };
     for scene in [pool_and_lamps(24, LAMPS), many()] {
-        let guide = plan(&scene, CAUSTIC, 0).guide;
+        let guide = plan(&scene, CAUSTIC, 0).guides.caustic.clone();
         assert!(!guide.is_empty());
         let picks = guide.emitters(&scene.emitters);
         let total: f64 = scene.total_flux.iter().sum();

@@ -1,0 +1,54 @@
+//! Facts of a scene that a plan is made from: what is there, and what light can never do.
+
+use crate::optics::emit::kind;
+use crate::pack::{EmitterKind, MaterialFlags, PackedEmitter, PackedScene, Target};
+use glam::Vec3;
+
+/// True where the material of some triangle is so.
+pub(super) fn has(scene: &PackedScene, is: impl Fn(MaterialFlags) -> bool) -> bool {
+    scene.triangles.iter().any(|t| is(scene.materials[t.material as usize].flags()))
+}
+
+/// True where some surface emits.
+pub(super) fn has_emissive_surface(scene: &PackedScene) -> bool {
+    scene.emitters.iter().any(|e| kind(e) == EmitterKind::Triangle)
+}
+
+/// True where some surface can be a gather point.
+pub(super) fn has_diffuse_surface(scene: &PackedScene) -> bool {
+    scene.diffuse_area > 0.0
+}
+
+/// True where light of some emitter can meet a specular body before anything else: not where all emitters face away from
+/// all bounding spheres.
+pub(super) fn lights_reach_targets(scene: &PackedScene) -> bool {
+    scene.emitters.iter().any(|e| scene.targets.iter().any(|t| shines_on(e, t)))
+}
+
+fn shines_on(e: &PackedEmitter, target: &Target) -> bool {
+    let to_center = target.center - e.origin;
+    match kind(e) {
+        EmitterKind::Triangle => to_center.dot(e.e1.cross(e.e2).normalize_or_zero()) > -target.radius,
+        EmitterKind::Spot => {
+            let distance = to_center.length();
+            // half angles of the cone and of the sphere, and the angle between them
+            distance <= target.radius
+                || (to_center / distance).dot(e.e1).clamp(-1.0, 1.0).acos()
+                    < e.e2.y.acos() + (target.radius / distance).asin()
+        }
+        EmitterKind::Point | EmitterKind::Sun => true,
+    }
+}
+
+/// Surfaces nearer to a plane than this, in internal units, lie in it: 32 units in the last place of the largest coordinates.
+const ONE_PLANE: f32 = 1.0 / 512.0;
+
+/// True where all surfaces that reflect lie in one plane: light that leaves one meets no other.
+pub(super) fn reflects_in_one_plane(scene: &PackedScene) -> bool {
+    let reflects = |m: MaterialFlags| m.has_diffuse() || m.has_delta();
+    let mut reflecting =
+        scene.triangles.iter().filter(|t| reflects(scene.materials[t.material as usize].flags()));
+    let Some(widest) = reflecting.clone().max_by(|a, b| a.area().total_cmp(&b.area())) else { return true };
+    let (normal, place): (Vec3, Vec3) = (widest.normal(), widest.v0);
+    reflecting.all(|t| t.vertices().iter().all(|v| (*v - place).dot(normal).abs() < ONE_PLANE))
+}

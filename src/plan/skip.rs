@@ -1,0 +1,247 @@
+//! Skips: what can be left out of a render, why it may be for a scene, and what would bring it back.
+
+use crate::error::{Error, Result};
+use serde::Serialize;
+
+/// Something that a scene may not need. Leaving it out never changes the expected image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// Layer: emission seen by lamps' own pixels and through specular surfaces.
+    Emission,
+    /// Layer: direct light.
+    DirectLight,
+    /// Layer: the map of caustics.
+    CausticMap,
+    /// Layer: the map of diffusely reflected light.
+    DiffuseMap,
+    /// Code for mirrors.
+    Mirrors,
+    /// Code for refraction.
+    Refraction,
+    /// Code for glossy lobes.
+    GlossyLobes,
+    /// Code and buffer for shading normals.
+    ShadingNormals,
+    /// Code for lights that are no surfaces.
+    DeltaLights,
+    /// Code for the automaton of light paths.
+    PathFilter,
+    /// Code for directions of jotons that were learned.
+    Warps,
+    /// All shadow rays of a gather point but one.
+    FurtherShadowRays,
+    /// Shadow rays to lights, and jotons of lights, that are of no use in view.
+    UnseenLight,
+    /// Jotons for pixels that see no surface.
+    Background,
+    /// Passes of pixels that need no more.
+    Rest,
+}
+
+/// Why a [`Part`] is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// No surface mirrors or refracts.
+    NoSpecularSurface,
+    /// Every light turns its back on all that mirrors or refracts.
+    SpecularInTheDark,
+    /// No surface emits.
+    NoEmissiveSurface,
+    /// No surface is diffuse.
+    NoDiffuseSurface,
+    /// All surfaces that reflect lie in one plane.
+    OnePlane,
+    /// The user wants other paths.
+    ExcludedByPaths,
+    /// No surface mirrors.
+    NoMirror,
+    /// No surface refracts.
+    NoDielectric,
+    /// No surface is glossy.
+    NoGlossySurface,
+    /// No triangle has shading normals.
+    AllFlat,
+    /// No light is a point, a spot or a sun.
+    AllLightsAreSurfaces,
+    /// The user wants all paths.
+    AllPathsWanted,
+    /// Jotons are as useful one way as another.
+    NothingLearned,
+    /// The only light is a point or a direction.
+    OneDirection,
+    /// Some lights, or some ways from them, never reach what the camera sees.
+    LightElsewhere,
+    /// A large part of the image shows no surface.
+    MuchBackground,
+    /// Pixels whose passes are all alike are looked at less often.
+    NothingChanges,
+}
+
+/// Something that is not done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Skip {
+    /// What is left out.
+    pub what: Part,
+    /// Why that changes nothing in the image.
+    pub why: Reason,
+}
+
+impl Part {
+    /// All parts, in the order in which they are told.
+    pub const ALL: [Part; 15] = [
+        Part::Emission,
+        Part::DirectLight,
+        Part::CausticMap,
+        Part::DiffuseMap,
+        Part::Mirrors,
+        Part::Refraction,
+        Part::GlossyLobes,
+        Part::ShadingNormals,
+        Part::DeltaLights,
+        Part::PathFilter,
+        Part::Warps,
+        Part::FurtherShadowRays,
+        Part::UnseenLight,
+        Part::Background,
+        Part::Rest,
+    ];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Emission => "emission",
+            Part::DirectLight => "direct-light",
+            Part::CausticMap => "caustic-map",
+            Part::DiffuseMap => "diffuse-map",
+            Part::Mirrors => "mirrors",
+            Part::Refraction => "refraction",
+            Part::GlossyLobes => "glossy-lobes",
+            Part::ShadingNormals => "shading-normals",
+            Part::DeltaLights => "delta-lights",
+            Part::PathFilter => "path-filter",
+            Part::Warps => "warps",
+            Part::FurtherShadowRays => "further-shadow-rays",
+            Part::UnseenLight => "unseen-light",
+            Part::Background => "background",
+            Part::Rest => "rest",
+        }
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Part::Emission => "emission",
+            Part::DirectLight => "direct light",
+            Part::CausticMap => "caustic map",
+            Part::DiffuseMap => "diffuse map",
+            Part::Mirrors => "mirrors",
+            Part::Refraction => "refraction",
+            Part::GlossyLobes => "glossy lobes",
+            Part::ShadingNormals => "shading normals",
+            Part::DeltaLights => "point, spot and sun lights",
+            Part::PathFilter => "light path filter",
+            Part::Warps => "learned directions",
+            Part::FurtherShadowRays => "further shadow rays",
+            Part::UnseenLight => "light of no use in view",
+            Part::Background => "jotons for the background",
+            Part::Rest => "passes of pixels that do not change",
+        }
+    }
+
+    /// The parts that a word of `--no-skip` means: one by its name, or `all`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the names where there is no such part.
+    pub fn parse(word: &str) -> Result<Vec<Part>> {
+        if word == "all" {
+            return Ok(Self::ALL.to_vec());
+        }
+        let found = Self::ALL.into_iter().find(|p| p.name() == word);
+        found.map(|p| vec![p]).ok_or_else(|| {
+            let names: Vec<&str> = Self::ALL.into_iter().map(Part::name).collect();
+            let what = format!("--no-skip {word}: nothing of that name is ever skipped");
+            Error::usage(what, format!("give all, or some of: {}", names.join(", ")))
+        })
+    }
+}
+
+impl Reason {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Reason::NoSpecularSurface => "no surface mirrors or refracts",
+            Reason::SpecularInTheDark => "every light faces away from all that mirrors or refracts",
+            Reason::NoEmissiveSurface => "no surface emits",
+            Reason::NoDiffuseSurface => "no surface is diffuse",
+            Reason::OnePlane => "all that reflects lies in one plane",
+            Reason::ExcludedByPaths => "--paths excludes it",
+            Reason::NoMirror => "no surface mirrors",
+            Reason::NoDielectric => "no surface refracts",
+            Reason::NoGlossySurface => "no surface is glossy",
+            Reason::AllFlat => "every triangle is flat",
+            Reason::AllLightsAreSurfaces => "every light is a surface",
+            Reason::AllPathsWanted => "all light paths are wanted",
+            Reason::NothingLearned => "jotons are as useful one way as another",
+            Reason::OneDirection => "the only light is a point or a direction",
+            Reason::LightElsewhere => {
+                "lights, and ways from them, that do not reach the view get a small share"
+            }
+            Reason::MuchBackground => "as many jotons are traced as there are pixels that see a surface",
+            Reason::NothingChanges => "they are looked at in one pass of some, which counts as many",
+        }
+    }
+
+    /// What of a scene, or of the user's, would bring it back.
+    pub fn back(self) -> &'static str {
+        match self {
+            Reason::NoSpecularSurface => "a mirror or a dielectric",
+            Reason::SpecularInTheDark => "a light that shines on a mirror or a dielectric",
+            Reason::NoEmissiveSurface => "a material that emits",
+            Reason::NoDiffuseSurface => "a diffuse or glossy surface",
+            Reason::OnePlane => "a second surface that reflects",
+            Reason::ExcludedByPaths => "--paths with such paths",
+            Reason::NoMirror => "a mirror",
+            Reason::NoDielectric => "a dielectric",
+            Reason::NoGlossySurface => "a glossy surface",
+            Reason::AllFlat => "normals at vertices",
+            Reason::AllLightsAreSurfaces => "a point, spot or sun light",
+            Reason::AllPathsWanted => "--paths",
+            Reason::NothingLearned => "a light whose ways differ in use",
+            Reason::OneDirection => "a second light, or one that has a surface",
+            Reason::LightElsewhere => "a view of what they light",
+            Reason::MuchBackground => "a view with less background",
+            Reason::NothingChanges => "something in view of them",
+        }
+    }
+}
+
+impl Serialize for Skip {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        use serde::ser::SerializeStruct;
+        let mut s = serializer.serialize_struct("Skip", 5)?;
+        s.serialize_field("what", self.what.words())?;
+        s.serialize_field("why", self.why.words())?;
+        s.serialize_field("name", self.what.name())?;
+        s.serialize_field("reason", &self.why)?;
+        s.serialize_field("back", self.why.back())?;
+        s.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The list holds each part once, in the order of the enum, under a name of its own that means it.
+    #[test]
+    fn parts_have_names() {
+        for (i, part) in Part::ALL.into_iter().enumerate() {
+            assert_eq!(part as usize, i);
+            assert_eq!(Part::parse(part.name()).expect("its name"), [part]);
+        }
+        assert_eq!(Part::parse("all").expect("a word"), Part::ALL);
+        let refused = Part::parse("caustics").expect_err("no such part").to_string();
+        assert!(refused.contains("caustics") && refused.contains("caustic-map"), "{refused}");
+    }
+}
