@@ -13,6 +13,8 @@ pub struct Context {
     pub info: wgpu::AdapterInfo,
     /// What it allows.
     pub limits: wgpu::Limits,
+    /// Where it was opened.
+    pub(super) adapter: wgpu::Adapter,
     failure: Arc<Mutex<Option<String>>>,
 }
 
@@ -98,7 +100,7 @@ impl Context {
                 first.get_or_insert_with(|| e.to_string());
             }
         }));
-        Ok(Self { device, queue, info, limits, failure })
+        Ok(Self { device, queue, info, limits, adapter: adapter.clone(), failure })
     }
 
     /// True for a device that runs on the host's processor (lavapipe, SwiftShader).

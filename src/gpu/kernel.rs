@@ -2,6 +2,8 @@
 //! to a kernel.
 
 use super::context::Context;
+use super::ring::RING_BYTES;
+use super::scene_buffers;
 use super::shaders::{self, Variant};
 use crate::error::{Error, Result};
 use std::collections::HashMap;
@@ -9,9 +11,31 @@ use std::collections::HashMap;
 /// A compiled kernel.
 pub struct Kernel {
     label: String,
+    recipe: Recipe,
     pipeline: wgpu::ComputePipeline,
     layouts: Vec<wgpu::BindGroupLayout>,
     bindings: Vec<Binding>,
+}
+
+/// What a kernel is compiled from.
+#[derive(Debug, Clone)]
+pub(super) struct Recipe {
+    /// Name of the file.
+    file: String,
+    source: String,
+    entry: String,
+    overrides: Vec<(String, f64)>,
+}
+
+impl Recipe {
+    /// Compile it.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where it does not compile.
+    pub(super) fn cook(&self, context: &Context) -> Result<Kernel> {
+        let overrides: Vec<(&str, f64)> = self.overrides.iter().map(|(n, v)| (n.as_str(), *v)).collect();
+        Kernel::from_source(context, &self.file, &self.source, &self.entry, &overrides)
+    }
 }
 
 /// One binding of a kernel.
@@ -113,7 +137,18 @@ impl Kernel {
             },
         });
         context.check()?;
-        Ok(Self { label: label_of(label, entry), pipeline, layouts, bindings })
+        let recipe = Recipe {
+            file: label.into(),
+            source: source.into(),
+            entry: entry.into(),
+            overrides: overrides.iter().map(|(n, v)| (n.to_string(), *v)).collect(),
+        };
+        Ok(Self { label: label_of(label, entry), recipe, pipeline, layouts, bindings })
+    }
+
+    /// What it was compiled from.
+    pub(super) fn recipe(&self) -> &Recipe {
+        &self.recipe
     }
 
     /// Bind buffers by name; `renamed` gives for a name in the kernel the name of the buffer to use.
@@ -167,7 +202,36 @@ impl Kernel {
         context.check()?;
         Ok(Step { label: self.label.clone(), pipeline: self.pipeline.clone(), groups, dynamic })
     }
+
+    /// Bind buffers of its own, as small as they can be, with zeros in them; and the buffer of the ring.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the device fails.
+    pub(super) fn bind_nothing(&self, context: &Context) -> Result<(Step, wgpu::Buffer)> {
+        let mut buffers = Buffers::new();
+        let ring = scene_buffers::uniform(context, "ring", RING_BYTES);
+        buffers.insert("ring", ring.clone());
+        // names of buffers live as long as the program: each binding gets one of these
+        let names: Vec<(&str, &'static str)> =
+            self.bindings.iter().zip(NOTHING).map(|(b, name)| (b.name.as_str(), name)).collect();
+        for (b, (_, name)) in self.bindings.iter().zip(&names) {
+            let buffer = match b.uniform_size {
+                Some(size) => scene_buffers::uniform(context, name, size),
+                None => scene_buffers::storage(context, name, NOTHING_BYTES),
+            };
+            buffers.insert(name, buffer);
+        }
+        Ok((self.bind(context, &buffers, &names)?, ring))
+    }
 }
+
+/// Names of the buffers of a kernel that is run on nothing: as many as a kernel can bind.
+const NOTHING: [&str; 20] = [
+    "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18",
+    "19",
+];
+/// Bytes of each: room for an element.
+const NOTHING_BYTES: u64 = 4096;
 
 /// "scan reduce" for scan.wgsl's entry reduce, "eye" for the only entry of eye.wgsl.
 fn label_of(path: &str, entry: &str) -> String {

@@ -96,6 +96,23 @@ impl MapKernels {
     }
 }
 
+impl MapKernels {
+    /// All of them, in the order in which they are first dispatched.
+    pub(super) fn in_order_of_use(&self) -> Vec<&Kernel> {
+        vec![
+            &self.lane_counts,
+            &self.scan_reduce,
+            &self.scan_spine,
+            &self.scan_apply,
+            &self.keys,
+            &self.radix_count,
+            &self.radix_scatter,
+            &self.starts,
+            &self.reorder,
+        ]
+    }
+}
+
 /// One map: its buffers' names, sizes and the steps that fill it.
 pub(super) struct Map {
     /// Which.

@@ -8,6 +8,7 @@ mod kernel;
 mod map;
 mod pilot;
 mod pipelines;
+mod precompile;
 mod recorder;
 mod ring;
 mod scene_buffers;
@@ -27,6 +28,7 @@ use crate::plan::{Plan, area_group};
 use crate::rng::sequence_seed;
 use map::{Kind, Shape};
 use pipelines::{Kernels, Steps};
+use precompile::Precompiler;
 use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::ops::Range;
@@ -94,6 +96,7 @@ impl GpuBackend {
             return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
         }
         let kernels = Kernels::new(&context, &scene, &plan)?;
+        let precompiler = Precompiler::start(&context, &kernels);
         let buffers = scene_buffers::upload(&context, &scene, &plan)?;
         let lanes = |emitted: u32| {
             let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
@@ -120,6 +123,7 @@ impl GpuBackend {
             staging: None,
         };
         backend.run_pilot()?;
+        drop(precompiler);
         Ok(backend)
     }
 

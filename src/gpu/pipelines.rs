@@ -91,6 +91,25 @@ impl Kernels {
     }
 }
 
+impl Kernels {
+    /// All of them, in the order in which they are first dispatched.
+    pub(super) fn in_order_of_use(&self) -> Vec<&Kernel> {
+        let [caustic, diffuse] = &self.trace;
+        let mut all: Vec<&Kernel> =
+            caustic.iter().chain(self.map.iter().flat_map(MapKernels::in_order_of_use)).collect();
+        all.extend(diffuse);
+        all.extend(self.glint.iter().flatten());
+        all.push(&self.eye);
+        all.extend(&self.caustic_count);
+        all.extend(&self.caustic_radius);
+        all.extend(&self.boundary);
+        all.extend(&self.clip);
+        all.extend(&self.direct);
+        all.extend(self.gather.iter().flatten());
+        all
+    }
+}
+
 /// The kernels with their buffers.
 pub(super) struct Steps {
     pub(super) eye: Step,
