@@ -2,7 +2,7 @@
 // A lane traces its jotons one after the other and puts its work away when its step budget is used up: dispatched until
 // all lanes are done. Two variants: the caustic map (L S+ D, emission aimed at the specular bodies) and the diffuse map
 // (everything that met a D before).
-// reads  scene, targets, warps, map_info, path_filter      writes  lanes, jotons (a region for each lane), tallies
+// reads  scene, targets, warps, marks, map_info, path_filter      writes  lanes, jotons (a region for each lane), tallies
 // import: shared/features.wgsl
 // import: shared/index.wgsl
 // import: shared/rng.wgsl
@@ -13,6 +13,7 @@
 // import: shared/emitter.wgsl
 // import: shared/emit.wgsl
 // import: shared/paths.wgsl
+// import: shared/marks.wgsl
 
 override CAUSTIC: bool = false;
 
@@ -99,14 +100,22 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         let scatters = (m.flag_bits & (DIFFUSE | GLOSSY)) != 0u;
         let wanted = select((lane.status & LANE_MET_DIFFUSE) != 0u, (lane.status & LANE_MET_SPECULAR) != 0u, CAUSTIC);
-        if scatters && wanted {
+        // [E23] of the jotons that the camera does not look at a few stand for all
+        let unseen = HAS_MARKS && !CAUSTIC && scatters && wanted && !is_marked(s.position);
+        var counts_as = 1.0;
+        if unseen {
+            let u = random4(pass_info.seed, map_info.pass_index, number, DIMENSION_UNSEEN + lane.status / LANE_EVENT).x;
+            counts_as = select(0.0, f32(UNSEEN_STORED), u * f32(UNSEEN_STORED) < 1.0);
+            tally.not_stored += select(0u, 1u, counts_as == 0.0);
+        }
+        if scatters && wanted && counts_as > 0.0 {
             if lane.stored < map_info.lane_capacity {
                 var state = 0u;
                 if HAS_PATH_FILTER {
                     state = path_step(lane.status & 31u, EVENT_D);
                 }
                 jotons[region + lane.stored] = Joton(
-                    s.position, encode_normal24(geometric) | (state << 24u), lane.flux * adjoint_in,
+                    s.position, encode_normal24(geometric) | (state << 24u), lane.flux * (adjoint_in * counts_as),
                     encode_direction(wi),
                 );
             }

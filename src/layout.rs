@@ -111,10 +111,10 @@ gpu_struct! {
         pub area_row_mask: u32,
         /// Columns of the area points' grid.
         pub area_columns: u32,
+        /// One over the width of a marked cell.
+        pub marks_per_unit: f32,
         /// Padding.
-        pub pad0: u32,
-        /// Padding.
-        pub pad1: u32,
+        pub pad: u32,
     }
 }
 
@@ -193,8 +193,8 @@ gpu_struct! {
         pub stored: u32,
         /// Flux that left.
         pub escaped: Bands,
-        /// Padding.
-        pub pad: u32,
+        /// Jotons that were not stored, since the camera does not look there.
+        pub not_stored: u32,
     }
 }
 
@@ -307,9 +307,15 @@ pub const SURE_EVENTS: u32 = 64;
 /// since a GPU waits for the longest path of a pass.
 pub const SURVIVAL_MAX: f32 = 0.99;
 
+/// Of so many jotons where the camera does not look one is stored, with the flux of all [E23].
+pub const UNSEEN_STORED: u32 = 8;
+
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
-    use crate::pack::{EmitterKind, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS, WARP_WORDS};
+    use crate::pack::{
+        EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS,
+        WARP_WORDS,
+    };
     use std::fmt::Write;
     let mut s = String::new();
     let mut u =
@@ -328,6 +334,11 @@ pub fn constants() -> String {
     u("WARP_BINS", WARP_BINS as u32);
     u("WARP_VECTORS", (WARP_WORDS / 4) as u32);
     u("WARPS_VECTORS", (MAX_WARPS * WARP_WORDS / 4) as u32);
+    u("MARK_VECTORS", (MARK_WORDS / 4) as u32);
+    u("MARK_FACTOR_X", MARK_FACTORS[0]);
+    u("MARK_FACTOR_Y", MARK_FACTORS[1]);
+    u("MARK_FACTOR_Z", MARK_FACTORS[2]);
+    u("UNSEEN_STORED", UNSEEN_STORED);
     u("BACK_SIDE", BACK_SIDE);
     u("PIXEL_GLINT", PIXEL_GLINT);
     u("STATUS_UNFINISHED", status::UNFINISHED);

@@ -28,6 +28,8 @@ pub struct Report {
     pub jotons_emitted: u64,
     /// Jotons stored in the maps.
     pub jotons_stored: u64,
+    /// What was saved inside passes.
+    pub saved: Saved,
     /// Where the light went.
     pub energy: Energy,
     /// What was not done, and why.
@@ -50,6 +52,13 @@ pub struct Report {
     pub kernels: Vec<KernelTime>,
     /// What was repaired or ignored in the scene.
     pub warnings: Vec<String>,
+}
+
+/// What was saved inside passes: work that would not have changed the expected image.
+#[derive(Debug, Serialize)]
+pub struct Saved {
+    /// Jotons that were not stored, since the camera does not look where they are.
+    pub jotons_not_stored: u64,
 }
 
 /// What a kernel took.
@@ -122,6 +131,7 @@ impl Report {
             rays: t.rays,
             jotons_emitted: t.jotons_emitted,
             jotons_stored: t.jotons_stored,
+            saved: Saved { jotons_not_stored: t.jotons_not_stored },
             energy: Energy {
                 emitted: world(&t.emitted),
                 absorbed: world(&t.absorbed),

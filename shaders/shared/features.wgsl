@@ -7,5 +7,7 @@ override HAS_GLOSSY: bool = true;
 override HAS_PATH_FILTER: bool = true;
 // Some emitter has a warp.
 override HAS_WARPS: bool = true;
+// Where the camera looks is marked.
+override HAS_MARKS: bool = true;
 // Some light is a point, a spot or a sun.
 override HAS_DELTA_LIGHTS: bool = true;

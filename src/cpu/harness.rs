@@ -25,8 +25,15 @@ pub const STREAMS: [u32; 10] = [
 ];
 
 /// First dimension of hashed numbers of each purpose.
-pub const DIMENSIONS: [u32; 6] =
-    [DIMENSION_EYE, DIMENSION_BSDF, DIMENSION_CAUSTIC, DIMENSION_DIFFUSE, DIMENSION_PATH, DIMENSION_GLINT];
+pub const DIMENSIONS: [u32; 7] = [
+    DIMENSION_EYE,
+    DIMENSION_BSDF,
+    DIMENSION_CAUSTIC,
+    DIMENSION_DIFFUSE,
+    DIMENSION_PATH,
+    DIMENSION_GLINT,
+    DIMENSION_UNSEEN,
+];
 
 /// Origin, direction and flux of joton `index`, of `count` a pass, by a guide; none where it would carry nothing.
 pub fn emit(

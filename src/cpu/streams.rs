@@ -39,3 +39,5 @@ pub(super) const DIMENSION_DIFFUSE: u32 = 4 << 16;
 pub(super) const DIMENSION_PATH: u32 = 5 << 16;
 /// Events of a glint's chains.
 pub(super) const DIMENSION_GLINT: u32 = 6 << 16;
+/// Which of the jotons that the camera does not look at are stored.
+pub(super) const DIMENSION_UNSEEN: u32 = 7 << 16;

@@ -8,6 +8,7 @@ use super::maps::Joton;
 use super::streams::*;
 use crate::backend::{Cause, Tally};
 use crate::bands::{BANDS, Bands, max, mul, scale};
+use crate::layout::UNSEEN_STORED;
 use crate::optics::bsdf::{Boundary, eval_d, pdf_d, sample_d, specular_direction};
 use crate::optics::emit::{Start, aimed, by_law};
 use crate::optics::odds::Odds;
@@ -104,7 +105,10 @@ impl Tracer<'_> {
             let wi_ng = s.back.dot(s.ng);
             let adjoint_in = if s.smooth { limited(s.back.dot(s.ns).abs() / wi_ng) } else { 1.0 };
             if s.flags().has_diffuse() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
-                self.store(&s, &scale(&flux, adjoint_in), paths.step(state, Event::D));
+                let counts_as = if CAUSTIC { 1.0 } else { self.counts_as(&s, i, event) };
+                if counts_as > 0.0 {
+                    self.store(&s, &scale(&flux, adjoint_in * counts_as), paths.step(state, Event::D));
+                }
             }
             let [u_way, u0, u1, u_lobe] = random4(self.plan.settings.seed, self.pass, i, dimension + event);
             let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
@@ -164,6 +168,20 @@ impl Tracer<'_> {
         }
         let pdf = pdf_d(s.material, w, s.back, s.ns);
         scale(&mul(flux, &eval_d(s.material, w, s.back, s.ns)), adjoint_out * cos_ns / pdf)
+    }
+
+    /// How many jotons this one of the diffuse map stands for; 0 where another stands for it. Where the camera does not look one
+    /// of a few is stored [E23].
+    fn counts_as(&mut self, s: &Surface, i: u32, event: u32) -> f32 {
+        if self.plan.marks.as_ref().is_none_or(|marks| marks.holds(s.position)) {
+            return 1.0;
+        }
+        let [u, ..] = random4(self.plan.settings.seed, self.pass, i, DIMENSION_UNSEEN + event);
+        if u * (UNSEEN_STORED as f32) < 1.0 {
+            return UNSEEN_STORED as f32;
+        }
+        self.tally.jotons_not_stored += 1;
+        0.0
     }
 
     fn store(&mut self, s: &Surface, flux: &Bands, state: u32) {

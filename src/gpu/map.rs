@@ -272,8 +272,8 @@ impl Map {
             area_cells_per_unit: 0.0,
             area_row_mask: 0,
             area_columns: 0,
-            pad0: 0,
-            pad1: 0,
+            marks_per_unit: 0.0,
+            pad: 0,
         }
     }
 

@@ -182,6 +182,7 @@ impl GpuBackend {
         let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
         let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
         let mut info = map.info(&self.scene, schedule, pass, random_pass);
+        info.marks_per_unit = self.plan.marks.as_ref().map_or(0.0, |m| m.per_unit);
         if let (Kind::Diffuse, Some(area)) = (kind, &self.area) {
             info.area_each = area.each;
             info.area_cells_per_unit = area.cells_per_unit;
@@ -368,6 +369,7 @@ impl Backend for GpuBackend {
             for lane in &lanes {
                 t.rays += u64::from(lane.rays);
                 t.jotons_stored += u64::from(lane.stored);
+                t.jotons_not_stored += u64::from(lane.not_stored);
                 if i == Kind::Diffuse as usize {
                     for b in 0..BANDS {
                         t.emitted[b] += f64::from(lane.emitted[b]);

@@ -51,7 +51,11 @@ impl Kernels {
             let guide = if caustic { &plan.guides.caustic } else { &plan.guides.diffuse };
             let has_warps = !guide.warps().is_empty() || plan.settings.keeps(Part::Warps);
             let mut overrides = features.to_vec();
-            overrides.extend([("CAUSTIC", flag(caustic)), ("HAS_WARPS", flag(has_warps))]);
+            overrides.extend([
+                ("CAUSTIC", flag(caustic)),
+                ("HAS_WARPS", flag(has_warps)),
+                ("HAS_MARKS", flag(plan.marks.is_some())),
+            ]);
             Kernel::new(context, path, "main", &overrides)
         };
         let (caustic, diffuse) = (plan.traces(Layer::Caustic), plan.traces(Layer::Diffuse));

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::layout::{
     AreaPoint, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS, SMALL_NODE_WORDS, SMALL_TRIANGLES,
 };
-use crate::pack::{Guide, MAX_WARPS, PackedScene, Target, WARP_WORDS};
+use crate::pack::{Guide, MARK_WORDS, MAX_WARPS, PackedScene, Target, WARP_WORDS};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
 use glam::{Vec2, Vec3};
@@ -78,6 +78,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         ("targets", bytemuck::bytes_of(&targets)),
         ("path_filter", bytemuck::bytes_of(&filter)),
         ("warps_caustic", bytemuck::cast_slice(&warps_caustic)),
+        ("marks", bytemuck::cast_slice(plan.marks.as_ref().map_or(&[0; MARK_WORDS][..], |m| m.words()))),
         ("warps_diffuse", bytemuck::cast_slice(&warps_diffuse)),
     ] {
         let buffer = uniform(context, name, bytes.len() as u64);

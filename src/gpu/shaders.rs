@@ -37,6 +37,7 @@ sources![
     "shared/emitter.wgsl",
     "shared/emit.wgsl",
     "shared/warp.wgsl",
+    "shared/marks.wgsl",
     "shared/camera.wgsl",
     "shared/survival.wgsl",
     "shared/paths.wgsl",

@@ -12,7 +12,7 @@ pub use radius::{Schedule, area_group, shrink};
 pub use skip::{Part, Reason, Skip};
 
 use crate::film::{LAYERS, Layer};
-use crate::pack::{EmitterKind, Guide, PackedScene};
+use crate::pack::{EmitterKind, Guide, Marks, PackedScene};
 use crate::paths::LightPaths;
 use seen::Seen;
 use std::sync::Arc;
@@ -55,6 +55,8 @@ pub struct Plan {
     pub pilot: Pilot,
     /// What was learned of where the light in view comes from.
     pub guides: Arc<Guides>,
+    /// Where the camera looks; none where jotons are stored wherever they are.
+    pub marks: Option<Arc<Marks>>,
     /// Which of [`Layer::ALL`] is traced.
     pub layers: [bool; LAYERS],
     /// What the kernels must be able to do.
@@ -120,6 +122,8 @@ const DIFFUSE_REFERENCE_JOTONS: f64 = 49_152.0;
 /// Jotons are traced for the pixels that see a surface alone where these are less than this part: what is learned of a few
 /// thousand paths is not exact, and scenes without a background shall not differ by it.
 const BACKGROUND: f64 = 0.7;
+/// Jotons are stored everywhere where at least this part of them lies where the camera looks.
+const STORED_IN_VIEW: f64 = 0.6;
 /// The diffuse radius is at most this part of the image's width, and at least this many footprints.
 const DIFFUSE_LIMITS: [f64; 2] = [2.0, 0.08];
 /// Jotons a pass for the diffuse map: between these, and about as many as pixels.
@@ -143,7 +147,7 @@ impl Plan {
             settings.shadow_rays = 1;
         }
         let traces = |layer: Layer| layers[layer as usize];
-        let guides = guides(scene, settings.seed, &seen, traces, &mut skips);
+        let (guides, in_view) = guides(scene, settings.seed, &seen, traces, &mut skips);
 
         let few = seen.share() < BACKGROUND && skips.skip(Part::Background, Reason::MuchBackground);
         let pixels = (scene.pixels() as f64 * if few { seen.share() } else { 1.0 }) as u32;
@@ -161,10 +165,13 @@ impl Plan {
             .min(DIFFUSE_LIMITS[1] * image_width)
             .max(DIFFUSE_LIMITS[0] * footprint);
         let caustic = f64::from(CAUSTIC_FOOTPRINTS[1] * pilot.footprint_large);
+        let stores_all = in_view > STORED_IN_VIEW || !skips.skip(Part::UnseenJotons, Reason::JotonsElsewhere);
+        let marks = (!stores_all).then(|| Arc::new(seen.marks(scene, diffuse as f32)));
         Self {
             settings,
             caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
             guides: Arc::new(guides),
+            marks,
             layers,
             features,
             caustic_jotons,
@@ -260,20 +267,23 @@ fn features(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> Feat
     }
 }
 
-/// What is learned, of the scene and the seed alone: --paths must not change it.
+/// What is learned, of the scene and the seed alone: --paths must not change it. And the part of the diffuse map's jotons that
+/// lie where the camera looks.
 fn guides(
     scene: &PackedScene,
     seed: u32,
     seen: &Seen,
     traces: impl Fn(Layer) -> bool,
     skips: &mut Skips,
-) -> Guides {
+) -> (Guides, f64) {
     let mut guides = Guides::default();
+    let mut in_view = 1.0;
     if traces(Layer::Caustic) {
-        guides.caustic = learn::jotons(scene, seed, seen, learn::Class::Caustic);
+        guides.caustic = learn::jotons(scene, seed, seen, learn::Class::Caustic).guide;
     }
     if traces(Layer::Diffuse) {
-        guides.diffuse = learn::jotons(scene, seed, seen, learn::Class::Diffuse);
+        let learned = learn::jotons(scene, seed, seen, learn::Class::Diffuse);
+        (guides.diffuse, in_view) = (learned.guide, learned.in_view);
     }
     if traces(Layer::Direct) {
         guides.direct = learn::direct(scene, seed, seen);
@@ -285,5 +295,5 @@ fn guides(
     if [&guides.caustic, &guides.diffuse].iter().all(|g| g.warps().is_empty()) {
         skips.skip(Part::Warps, Reason::NothingLearned);
     }
-    guides
+    (guides, in_view)
 }

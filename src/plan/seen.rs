@@ -4,7 +4,7 @@ use crate::bands::{BANDS, Bands, mul, scale};
 use crate::optics::bsdf::{Boundary, specular_direction};
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface, lift};
-use crate::pack::PackedScene;
+use crate::pack::{Marks, PackedScene};
 use crate::rng::{random4, sequence_seed, sobol2};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -17,6 +17,8 @@ const PATHS: [usize; 2] = [1 << 12, 1 << 14];
 pub(super) const CHAIN: u32 = 12;
 /// A cell is at least this many spacings of camera paths wide: surfaces seen at grazing angles have no holes.
 const SPACINGS: f32 = 4.0;
+/// Marked cells are at least this many of the widest spacings wide.
+const GAP: f32 = 2.0;
 /// A surface counts as facing along an axis from this cosine on; each faces along one at least.
 const FACING: f32 = 0.5;
 /// Purposes of random numbers; those of the backends lie below.
@@ -92,6 +94,13 @@ impl Seen {
     /// Where camera paths ended on diffuse surfaces.
     pub(super) fn points(&self) -> &[SeenPoint] {
         &self.points
+    }
+
+    /// The cells within `radius` of where the camera looks, or wider where its paths leave gaps.
+    pub(super) fn marks(&self, scene: &PackedScene, radius: f32) -> Marks {
+        let farthest = self.points.iter().map(|p| p.length).fold(0.0, f32::max);
+        let gap = GAP * scene.pixel_angle() * (scene.pixels() as f32 / self.paths as f32).sqrt() * farthest;
+        Marks::new(scene.bounds[0], radius.max(gap), self.points.iter().map(|p| p.position))
     }
 
     /// Part of the image that sees a diffuse surface, directly or through specular ones.

@@ -32,6 +32,8 @@ pub enum Part {
     FurtherShadowRays,
     /// Shadow rays to lights, and jotons of lights, that are of no use in view.
     UnseenLight,
+    /// Jotons where the camera does not look.
+    UnseenJotons,
     /// Jotons for pixels that see no surface.
     Background,
     /// Passes of pixels that need no more.
@@ -72,6 +74,8 @@ pub enum Reason {
     OneDirection,
     /// Some lights, or some ways from them, never reach what the camera sees.
     LightElsewhere,
+    /// Many jotons lie where the camera does not look.
+    JotonsElsewhere,
     /// A large part of the image shows no surface.
     MuchBackground,
     /// Pixels whose passes are all alike are looked at less often.
@@ -89,7 +93,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 15] = [
+    pub const ALL: [Part; 16] = [
         Part::Emission,
         Part::DirectLight,
         Part::CausticMap,
@@ -103,6 +107,7 @@ impl Part {
         Part::Warps,
         Part::FurtherShadowRays,
         Part::UnseenLight,
+        Part::UnseenJotons,
         Part::Background,
         Part::Rest,
     ];
@@ -123,6 +128,7 @@ impl Part {
             Part::Warps => "warps",
             Part::FurtherShadowRays => "further-shadow-rays",
             Part::UnseenLight => "unseen-light",
+            Part::UnseenJotons => "unseen-jotons",
             Part::Background => "background",
             Part::Rest => "rest",
         }
@@ -144,6 +150,7 @@ impl Part {
             Part::Warps => "learned directions",
             Part::FurtherShadowRays => "further shadow rays",
             Part::UnseenLight => "light of no use in view",
+            Part::UnseenJotons => "jotons out of view",
             Part::Background => "jotons for the background",
             Part::Rest => "passes of pixels that do not change",
         }
@@ -187,6 +194,7 @@ impl Reason {
             Reason::LightElsewhere => {
                 "lights, and ways from them, that do not reach the view get a small share"
             }
+            Reason::JotonsElsewhere => "of those that no pixel will read one in eight is stored for all",
             Reason::MuchBackground => "as many jotons are traced as there are pixels that see a surface",
             Reason::NothingChanges => "they are looked at in one pass of some, which counts as many",
         }
@@ -210,6 +218,7 @@ impl Reason {
             Reason::NothingLearned => "a light whose ways differ in use",
             Reason::OneDirection => "a second light, or one that has a surface",
             Reason::LightElsewhere => "a view of what they light",
+            Reason::JotonsElsewhere => "a view of more of the surfaces",
             Reason::MuchBackground => "a view with less background",
             Reason::NothingChanges => "something in view of them",
         }

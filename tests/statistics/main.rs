@@ -15,6 +15,7 @@ mod directions;
 mod emission;
 mod guide;
 mod images;
+mod marks;
 mod negative;
 mod non_finite;
 mod picking;

@@ -29,6 +29,13 @@ pub(super) enum Class {
     Diffuse,
 }
 
+/// What was learned of a map.
+pub(super) struct Learned {
+    pub(super) guide: Guide,
+    /// Part of the jotons that are stored where the camera looks; 1 where nothing is known.
+    pub(super) in_view: f64,
+}
+
 /// Jotons of the two rounds: the second goes where the first found something.
 const ROUNDS: [u32; 2] = [1 << 13, 3 << 13];
 /// Part of the jotons, and of shadow rays, that are picked by flux alone, whatever was learned.
@@ -64,6 +71,8 @@ struct Traced {
     lamp: Lamp,
     /// Jotons traced.
     count: u32,
+    /// Jotons that a map would store, whether the camera looks there or not.
+    stored: usize,
     hits: Vec<Hit>,
 }
 
@@ -75,13 +84,15 @@ impl Traced {
 }
 
 /// Learn how to emit the jotons of a map.
-pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, class: Class) -> Guide {
+pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, class: Class) -> Learned {
     if seen.is_empty() || scene.emitters.is_empty() || class == Class::Caustic && scene.targets.is_empty() {
-        return Guide::default();
+        return Learned { guide: Guide::default(), in_view: 1.0 };
     }
     let worth = WORTH[class as usize];
-    let mut traced: Vec<Traced> =
-        lamps(&scene.emitters).into_iter().map(|lamp| Traced { lamp, count: 0, hits: Vec::new() }).collect();
+    let mut traced: Vec<Traced> = lamps(&scene.emitters)
+        .into_iter()
+        .map(|lamp| Traced { lamp, count: 0, stored: 0, hits: Vec::new() })
+        .collect();
     let total: f64 = traced.iter().map(|t| t.lamp.flux()).sum();
     let even = 1.0 / traced.len() as f64;
     let first: Vec<f64> = traced.iter().map(|t| 0.5 * even + 0.5 * t.lamp.flux() / total).collect();
@@ -93,7 +104,7 @@ pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, class: Class) 
     // one light that serves well already needs no more
     let settled = |t: &Traced| t.hits.len() >= HITS && warp(&t.hits, worth).is_none();
     if found <= 0.0 || traced.len() == 1 && settled(&traced[0]) {
-        return Guide::default();
+        return Learned { guide: Guide::default(), in_view: in_view(&traced, |i| traced[i].lamp.flux()) };
     }
     let second: Vec<f64> = traced
         .iter()
@@ -116,21 +127,24 @@ fn trace(
     traced.par_iter_mut().zip(shares).enumerate().for_each(|(i, (t, share))| {
         let more = (share * f64::from(count)).ceil() as u32;
         let numbers = (t.count..t.count + more).into_par_iter();
-        let found: Vec<Hit> =
-            numbers.flat_map_iter(|n| hits(scene, seed, seen, &t.lamp, [i as u32, n])).collect();
-        t.hits.extend(found);
+        let found: Vec<(usize, Vec<Hit>)> =
+            numbers.map(|n| hits(scene, seed, seen, &t.lamp, [i as u32, n])).collect();
+        for (stored, hits) in found {
+            t.stored += stored;
+            t.hits.extend(hits);
+        }
         t.count += more;
     });
 }
 
-/// What joton `number` of lamp number `index` leaves where it is of use.
+/// How often joton `number` of lamp number `index` is stored, and what it leaves where it is of use.
 fn hits(
     scene: &PackedScene,
     [seed, class]: [u32; 2],
     seen: &Seen,
     lamp: &Lamp,
     [index, number]: [u32; 2],
-) -> Vec<Hit> {
+) -> (usize, Vec<Hit>) {
     let draw = |stream| sobol2(number, sequence_seed(seed, index, stream + class));
     let (place, towards) = (draw(STREAM_PLACE), draw(STREAM_DIRECTION));
     let (emitter, rest, pick) = lamp.pick(place[0]);
@@ -141,16 +155,15 @@ fn hits(
     } else {
         Some(law_of(e, [rest, place[1]], towards, 1.0 / pick))
     };
-    let Some(Start { origin, direction, mut flux }) = start else { return Vec::new() };
+    let Some(Start { origin, direction, mut flux }) = start else { return (0, Vec::new()) };
     let mut ray = Ray { origin, direction };
     let mut hits = Vec::new();
-    let mut scattered = false;
+    let (mut scattered, mut stored) = (false, 0);
     for event in 0..if is_caustic { CHAIN } else { EVENTS } {
         let Some(s) = Surface::hit(scene, &ray) else { break };
-        if (if is_caustic { event > 0 } else { scattered })
-            && s.flags().has_diffuse()
-            && let Some(width) = seen.width(s.position, s.ng)
-        {
+        let stores = (if is_caustic { event > 0 } else { scattered }) && s.flags().has_diffuse();
+        stored += usize::from(stores);
+        if stores && let Some(width) = seen.width(s.position, s.ng) {
             let width = f64::from(width);
             let noise = sum(&flux) / if is_caustic { width * width } else { width };
             // what overflows teaches nothing
@@ -169,7 +182,17 @@ fn hits(
         let Some(next) = next else { break };
         (ray, flux) = next;
     }
-    hits
+    (stored, hits)
+}
+
+/// Part of the jotons that are stored in view where lamps are picked in proportion to `share`.
+fn in_view(traced: &[Traced], share: impl Fn(usize) -> f64) -> f64 {
+    let sum = |count: &dyn Fn(&Traced) -> usize| -> f64 {
+        let each = traced.iter().enumerate();
+        each.map(|(i, t)| share(i) * count(t) as f64 / f64::from(t.count.max(1))).sum()
+    };
+    let stored = sum(&|t| t.stored);
+    if stored > 0.0 { sum(&|t| t.hits.len()) / stored } else { 1.0 }
 }
 
 /// Any event at a surface: the ray that goes on, and its flux. None where there is none. `scattered` is set by a D event.
@@ -193,7 +216,7 @@ fn any_step(
 }
 
 /// Warps and pick probabilities from what was found, if these are worth it.
-fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> Guide {
+fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> Learned {
     let mut strongest: Vec<usize> = (0..traced.len()).filter(|&i| traced[i].hits.len() >= HITS).collect();
     strongest.sort_by(|&a, &b| traced[b].moment().total_cmp(&traced[a].moment()));
     strongest.truncate(MAX_WARPS);
@@ -208,7 +231,7 @@ fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> Gui
     let plain: f64 = traced.iter().map(|t| t.moment().sqrt()).sum();
     let by_flux: f64 = traced.iter().map(|t| t.moment() * total / t.lamp.flux()).sum();
     if found * found >= wanted * by_flux {
-        return Guide::default();
+        return Learned { guide: Guide::default(), in_view: in_view(traced, |i| traced[i].lamp.flux()) };
     }
     let share = |i: usize| (1.0 - BY_FLUX) * worth[i] / found + BY_FLUX * traced[i].lamp.flux() / total;
     let mut weights = Vec::with_capacity(scene.emitters.len());
@@ -220,5 +243,6 @@ fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> Gui
     }
     let gain = (plain / found).powi(2);
     let warps = learned.into_iter().map(|l| l.1.0).collect();
-    Guide::new(&scene.emitters, &weights, warps, |e| warp_of[e], gain)
+    let guide = Guide::new(&scene.emitters, &weights, warps, |e| warp_of[e], gain);
+    Learned { guide, in_view: in_view(traced, share) }
 }
