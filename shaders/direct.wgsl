@@ -92,7 +92,7 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
         return Bands(0.0);
     }
     let e = emitters[t.emitter];
-    let pdf_light = e.pick * hit.t * hit.t / (e.area * -dot(wi, front));
+    let pdf_light = f32(pass_info.light_candidates) * e.pick * hit.t * hit.t / (e.area * -dot(wi, front));
     // f Le cos / pdf · pdf / (pdf + pdf_light)
     return eval_brdf(m, n, wi, wo) * e.strength * (cos_receiver / (pdf_brdf(m, n, wi, wo) + pdf_light));
 }
@@ -118,28 +118,64 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let shared_weight = (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || near_emitter(point.position);
     var sum = Bands(0.0);
     var rays = 0u;
+    var saved = 0u;
+    let candidates = f32(pass_info.light_candidates);
     for (var ray = 0u; ray < pass_info.shadow_rays; ray += 1u) {
-        let light = sample_light(origin, sobol2(pass_info.pass_index * pass_info.shadow_rays + ray, seed));
-        let cos_receiver = dot(light.wi, shading);
-        if cos_receiver > 0.0 && dot(light.wi, geometric) > 0.0 && max_band(light.weight) > 0.0 {
-            rays += 1u;
-            if traverse(origin, light.wi, light.distance * SHADOW_END, true).triangle == MISS {
+        let u = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_DIRECT + ray);
+        // one of the candidates gets the shadow ray, by what each would give if nothing shaded it, for all of them [E24]
+        var picked = LightSample(vec3(0.0), 0.0, Bands(0.0), 0.0);
+        var given = Bands(0.0);
+        var total = 0.0;
+        var choice = u.w;
+        var found = 0u;
+        let first = (pass_info.pass_index * pass_info.shadow_rays + ray) * pass_info.light_candidates;
+        for (var k = 0u; k < pass_info.light_candidates; k += 1u) {
+            let light = sample_light(origin, sobol2(first + k, seed));
+            let cos_receiver = dot(light.wi, shading);
+            if cos_receiver > 0.0 && dot(light.wi, geometric) > 0.0 && max_band(light.weight) > 0.0 {
                 var weight = cos_receiver;
                 if shared_weight && light.pdf > 0.0 {
-                    weight *= light.pdf / (light.pdf + pdf_brdf(m, shading, light.wi, wo));
+                    let pdf = candidates * light.pdf;
+                    weight *= pdf / (pdf + pdf_brdf(m, shading, light.wi, wo));
                 }
-                sum += eval_brdf(m, shading, light.wi, wo) * light.weight * weight;
+                let gives = eval_brdf(m, shading, light.wi, wo) * light.weight * weight;
+                let size = max_band(gives);
+                if size > 0.0 {
+                    found += 1u;
+                    total += size;
+                    // one number serves all choices: what is left of it is uniform again
+                    let part = size / total;
+                    if choice < part {
+                        picked = light;
+                        given = gives;
+                        choice /= part;
+                    } else {
+                        choice = (choice - part) / (1.0 - part);
+                    }
+                }
+            }
+        }
+        if max_band(given) > 0.0 {
+            rays += 1u;
+            saved += found - 1u;
+            if traverse(origin, picked.wi, picked.distance * SHADOW_END, true).triangle == MISS {
+                sum += given * (total / (candidates * max_band(given)));
             }
         }
         if shared_weight {
             rays += 1u;
-            let u = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_DIRECT + ray);
             sum += by_brdf(m, origin, geometric, shading, wo, u.xyz);
         }
     }
     let rays_before = atomicAdd(&status[STATUS_RAYS], rays);
     if rays_before + rays < rays_before {
         atomicAdd(&status[STATUS_RAYS_HIGH], 1u);
+    }
+    if saved > 0u {
+        let saved_before = atomicAdd(&status[STATUS_SHADOW_RAYS_SAVED], saved);
+        if saved_before + saved < saved_before {
+            atomicAdd(&status[STATUS_SHADOW_RAYS_SAVED_HIGH], 1u);
+        }
     }
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);

@@ -59,6 +59,8 @@ pub struct Tally {
     pub jotons_stored: u64,
     /// Jotons that were not stored, since the camera does not look where they are.
     pub jotons_not_stored: u64,
+    /// Light samples that got no shadow ray, since another one stood for them.
+    pub shadow_rays_saved: u64,
     /// Flux of the jotons that started for the diffuse map, internal W per band.
     pub emitted: [f64; BANDS],
     /// Flux that surfaces absorbed; the expected value at each meeting, not the roulette's outcome.
@@ -142,6 +144,7 @@ impl std::ops::AddAssign for Tally {
         self.jotons_emitted += o.jotons_emitted;
         self.jotons_stored += o.jotons_stored;
         self.jotons_not_stored += o.jotons_not_stored;
+        self.shadow_rays_saved += o.shadow_rays_saved;
         for b in 0..BANDS {
             self.emitted[b] += o.emitted[b];
             self.absorbed[b] += o.absorbed[b];

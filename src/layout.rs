@@ -73,6 +73,14 @@ gpu_struct! {
         pub emitters: u32,
         /// Number of targets of aimed emission.
         pub targets: u32,
+        /// Light samples of which one gets a shadow ray.
+        pub light_candidates: u32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+        /// Padding.
+        pub pad2: u32,
     }
 }
 
@@ -253,8 +261,17 @@ pub mod status {
     pub const RAYS_HIGH: u32 = 5;
     /// Invocations with a traversal that the driver ended early.
     pub const TRAVERSAL_CUT: u32 = 6;
+    /// Light samples that got no shadow ray, since another one stood for them; the low word.
+    pub const SHADOW_RAYS_SAVED: u32 = 7;
+    /// … and the high word.
+    pub const SHADOW_RAYS_SAVED_HIGH: u32 = 8;
     /// Number of slots.
-    pub const SLOTS: u32 = 8;
+    pub const SLOTS: u32 = 9;
+
+    /// Light samples without a shadow ray in the words of the status buffer.
+    pub fn shadow_rays_saved(words: &[u32]) -> u64 {
+        u64::from(words[SHADOW_RAYS_SAVED_HIGH as usize]) << 32 | u64::from(words[SHADOW_RAYS_SAVED as usize])
+    }
 
     /// Camera and shadow rays in the words of the status buffer.
     pub fn rays(words: &[u32]) -> u64 {
@@ -348,6 +365,8 @@ pub fn constants() -> String {
     u("STATUS_TRUNCATED", status::TRUNCATED);
     u("STATUS_RAYS_HIGH", status::RAYS_HIGH);
     u("STATUS_TRAVERSAL_CUT", status::TRAVERSAL_CUT);
+    u("STATUS_SHADOW_RAYS_SAVED", status::SHADOW_RAYS_SAVED);
+    u("STATUS_SHADOW_RAYS_SAVED_HIGH", status::SHADOW_RAYS_SAVED_HIGH);
     u("SURE_EVENTS", SURE_EVENTS);
     u("CLIP_RAYS", CLIP_RAYS);
     u("PILOT_PASS", PILOT_PASS);

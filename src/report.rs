@@ -59,6 +59,8 @@ pub struct Report {
 pub struct Saved {
     /// Jotons that were not stored, since the camera does not look where they are.
     pub jotons_not_stored: u64,
+    /// Shadow rays that were not traced, since another one stood for them.
+    pub shadow_rays_not_traced: u64,
 }
 
 /// What a kernel took.
@@ -131,7 +133,10 @@ impl Report {
             rays: t.rays,
             jotons_emitted: t.jotons_emitted,
             jotons_stored: t.jotons_stored,
-            saved: Saved { jotons_not_stored: t.jotons_not_stored },
+            saved: Saved {
+                jotons_not_stored: t.jotons_not_stored,
+                shadow_rays_not_traced: t.shadow_rays_saved,
+            },
             energy: Energy {
                 emitted: world(&t.emitted),
                 absorbed: world(&t.absorbed),

@@ -7,10 +7,10 @@
 use super::eye::GatherPoint;
 use super::streams::{DIMENSION_BSDF, STREAM_LIGHT};
 use crate::backend::Tally;
-use crate::bands::{BLACK, Bands, add, mul, scale};
+use crate::bands::{BLACK, Bands, add, max, mul, scale};
 use crate::optics::bsdf::{eval_d, pdf_d, sample_d};
 use crate::optics::emit::kind;
-use crate::optics::light::{pdf_light, sample_light};
+use crate::optics::light::{LightSample, pdf_light, sample_light};
 use crate::optics::ray::{Ray, Surface, lift, visible};
 use crate::pack::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
@@ -33,11 +33,12 @@ pub(super) fn light(
     let shared = g.material.flags().has_glossy() || near_emitter(lights, g.position);
     let mut sum = BLACK;
     for ray in 0..count {
-        let index = pass.wrapping_mul(count).wrapping_add(ray);
-        sum = add(&sum, &by_light(scene, lights, g, sobol2(index, seed), shared, tally));
+        let u = random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray);
+        let first = pass.wrapping_mul(count).wrapping_add(ray).wrapping_mul(plan.light_candidates);
+        let candidates = (0..plan.light_candidates).map(|k| sobol2(first.wrapping_add(k), seed));
+        sum = add(&sum, &by_light(scene, lights, g, candidates, u[3], shared, tally));
         if shared {
-            let u = random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray);
-            sum = add(&sum, &by_bsdf(scene, lights, g, u, tally));
+            sum = add(&sum, &by_bsdf(scene, lights, g, u, plan.light_candidates as f32, tally));
         }
     }
     scale(&mul(&sum, &g.throughput), 1.0 / count as f32)
@@ -61,34 +62,62 @@ fn near_emitter(lights: &[PackedEmitter], position: Vec3) -> bool {
         })
 }
 
+/// The light of one of some candidates, picked by what each would give if nothing shaded it, for all of them [E24].
 fn by_light(
     scene: &PackedScene,
     lights: &[PackedEmitter],
     g: &GatherPoint,
-    u: [f32; 2],
+    candidates: impl ExactSizeIterator<Item = [f32; 2]>,
+    choice: f32,
     shared: bool,
     tally: &mut Tally,
 ) -> Bands {
     let origin = lift(g.position, g.ng, g.triangle);
-    let Some(l) = sample_light(lights, origin, u) else { return BLACK };
+    let number = candidates.len() as f32;
+    let mut picked: Option<(LightSample, Bands)> = None;
+    let (mut total, mut choice) = (0.0, choice);
+    for u in candidates {
+        let Some(l) = sample_light(lights, origin, u) else { continue };
+        let given = unshadowed(g, &l, number, shared);
+        let size = max(&given);
+        if size <= 0.0 {
+            continue;
+        }
+        total += size;
+        // one number serves all choices: what is left of it is uniform again
+        let part = size / total;
+        if choice < part {
+            picked = Some((l, given));
+            choice /= part;
+        } else {
+            choice = (choice - part) / (1.0 - part);
+        }
+        tally.shadow_rays_saved += 1;
+    }
+    let Some((l, given)) = picked else { return BLACK };
+    tally.rays += 1;
+    tally.shadow_rays_saved -= 1;
+    if visible(scene, origin, l.target) { scale(&given, total / (number * max(&given))) } else { BLACK }
+}
+
+/// What a light sample, one of `number` candidates, gives if nothing shades it, with its share of the weight.
+fn unshadowed(g: &GatherPoint, l: &LightSample, number: f32, shared: bool) -> Bands {
     let cos_s = l.wi.dot(g.ns);
     if cos_s <= 0.0 || l.wi.dot(g.ng) <= 0.0 {
         return BLACK;
     }
-    tally.rays += 1;
-    if !visible(scene, origin, l.target) {
-        return BLACK;
-    }
-    let weight =
-        if shared && l.pdf > 0.0 { l.pdf / (l.pdf + pdf_d(g.material, l.wi, g.wo, g.ns)) } else { 1.0 };
+    let pdf = number * l.pdf;
+    let weight = if shared && pdf > 0.0 { pdf / (pdf + pdf_d(g.material, l.wi, g.wo, g.ns)) } else { 1.0 };
     scale(&mul(&eval_d(g.material, l.wi, g.wo, g.ns), &l.irradiance), cos_s * weight)
 }
 
+/// Light that one sample of the D lobes finds, beside `number` candidates.
 fn by_bsdf(
     scene: &PackedScene,
     lights: &[PackedEmitter],
     g: &GatherPoint,
     u: [f32; 4],
+    number: f32,
     tally: &mut Tally,
 ) -> Bands {
     let Some(wi) = sample_d(g.material, g.wo, g.ns, u[2], [u[0], u[1]]) else { return BLACK };
@@ -102,6 +131,6 @@ fn by_bsdf(
         return BLACK;
     }
     // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)
-    let weight = wi.dot(g.ns) / (pdf_d(g.material, wi, g.wo, g.ns) + pdf_light(lights, &s));
+    let weight = wi.dot(g.ns) / (pdf_d(g.material, wi, g.wo, g.ns) + number * pdf_light(lights, &s));
     scale(&mul(&eval_d(g.material, wi, g.wo, g.ns), &s.material.emission), weight)
 }

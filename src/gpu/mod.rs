@@ -173,6 +173,10 @@ impl GpuBackend {
             shadow_rays: self.plan.settings.shadow_rays,
             emitters: self.scene.emitters.len() as u32,
             targets: self.scene.targets.len() as u32,
+            light_candidates: self.plan.light_candidates,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 
@@ -361,6 +365,7 @@ impl Backend for GpuBackend {
         }
         let t = &mut batch.tally;
         t.rays = status::rays(&words);
+        t.shadow_rays_saved = status::shadow_rays_saved(&words);
         t.truncated = u64::from(words[status::TRUNCATED as usize]);
         let emitted = |s: Option<Shape>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
         t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);

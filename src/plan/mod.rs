@@ -55,6 +55,8 @@ pub struct Plan {
     pub pilot: Pilot,
     /// What was learned of where the light in view comes from.
     pub guides: Arc<Guides>,
+    /// Light samples of which one gets a shadow ray.
+    pub light_candidates: u32,
     /// Where the camera looks; none where jotons are stored wherever they are.
     pub marks: Option<Arc<Marks>>,
     /// Which of [`Layer::ALL`] is traced.
@@ -147,7 +149,8 @@ impl Plan {
             settings.shadow_rays = 1;
         }
         let traces = |layer: Layer| layers[layer as usize];
-        let (guides, in_view) = guides(scene, settings.seed, &seen, traces, &mut skips);
+        let Learned { guides, in_view, light_candidates } =
+            learned(scene, settings.seed, &seen, traces, &mut skips);
 
         let few = seen.share() < BACKGROUND && skips.skip(Part::Background, Reason::MuchBackground);
         let pixels = (scene.pixels() as f64 * if few { seen.share() } else { 1.0 }) as u32;
@@ -171,6 +174,7 @@ impl Plan {
             settings,
             caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
             guides: Arc::new(guides),
+            light_candidates,
             marks,
             layers,
             features,
@@ -267,17 +271,24 @@ fn features(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> Feat
     }
 }
 
-/// What is learned, of the scene and the seed alone: --paths must not change it. And the part of the diffuse map's jotons that
-/// lie where the camera looks.
-fn guides(
+/// What is learned of a scene.
+struct Learned {
+    guides: Guides,
+    /// Part of the diffuse map's jotons that lie where the camera looks.
+    in_view: f64,
+    light_candidates: u32,
+}
+
+/// What is learned, of the scene and the seed alone: --paths must not change it.
+fn learned(
     scene: &PackedScene,
     seed: u32,
     seen: &Seen,
     traces: impl Fn(Layer) -> bool,
     skips: &mut Skips,
-) -> (Guides, f64) {
+) -> Learned {
     let mut guides = Guides::default();
-    let mut in_view = 1.0;
+    let (mut in_view, mut light_candidates) = (1.0, 1);
     if traces(Layer::Caustic) {
         guides.caustic = learn::jotons(scene, seed, seen, learn::Class::Caustic).guide;
     }
@@ -286,7 +297,11 @@ fn guides(
         (guides.diffuse, in_view) = (learned.guide, learned.in_view);
     }
     if traces(Layer::Direct) {
-        guides.direct = learn::direct(scene, seed, seen);
+        let picks = learn::direct(scene, seed, seen);
+        guides.direct = picks.guide;
+        if picks.candidates > 1 && skips.skip(Part::FaintLight, Reason::FaintAmongStrong) {
+            light_candidates = picks.candidates;
+        }
     }
     let all = [&guides.caustic, &guides.diffuse, &guides.direct];
     if all.iter().any(|g| !g.is_empty()) && !skips.skip(Part::UnseenLight, Reason::LightElsewhere) {
@@ -295,5 +310,5 @@ fn guides(
     if [&guides.caustic, &guides.diffuse].iter().all(|g| g.warps().is_empty()) {
         skips.skip(Part::Warps, Reason::NothingLearned);
     }
-    (guides, in_view)
+    Learned { guides, in_view, light_candidates }
 }

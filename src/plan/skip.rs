@@ -30,6 +30,8 @@ pub enum Part {
     Warps,
     /// All shadow rays of a gather point but one.
     FurtherShadowRays,
+    /// Shadow rays to lights that would give little where others give much.
+    FaintLight,
     /// Shadow rays to lights, and jotons of lights, that are of no use in view.
     UnseenLight,
     /// Jotons where the camera does not look.
@@ -72,6 +74,8 @@ pub enum Reason {
     NothingLearned,
     /// The only light is a point or a direction.
     OneDirection,
+    /// Of some light samples one, picked by what each may give, gets a shadow ray.
+    FaintAmongStrong,
     /// Some lights, or some ways from them, never reach what the camera sees.
     LightElsewhere,
     /// Many jotons lie where the camera does not look.
@@ -93,7 +97,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 16] = [
+    pub const ALL: [Part; 17] = [
         Part::Emission,
         Part::DirectLight,
         Part::CausticMap,
@@ -106,6 +110,7 @@ impl Part {
         Part::PathFilter,
         Part::Warps,
         Part::FurtherShadowRays,
+        Part::FaintLight,
         Part::UnseenLight,
         Part::UnseenJotons,
         Part::Background,
@@ -127,6 +132,7 @@ impl Part {
             Part::PathFilter => "path-filter",
             Part::Warps => "warps",
             Part::FurtherShadowRays => "further-shadow-rays",
+            Part::FaintLight => "faint-light",
             Part::UnseenLight => "unseen-light",
             Part::UnseenJotons => "unseen-jotons",
             Part::Background => "background",
@@ -149,6 +155,7 @@ impl Part {
             Part::PathFilter => "light path filter",
             Part::Warps => "learned directions",
             Part::FurtherShadowRays => "further shadow rays",
+            Part::FaintLight => "shadow rays to faint lights",
             Part::UnseenLight => "light of no use in view",
             Part::UnseenJotons => "jotons out of view",
             Part::Background => "jotons for the background",
@@ -191,6 +198,9 @@ impl Reason {
             Reason::AllPathsWanted => "all light paths are wanted",
             Reason::NothingLearned => "jotons are as useful one way as another",
             Reason::OneDirection => "the only light is a point or a direction",
+            Reason::FaintAmongStrong => {
+                "of a few light samples one, picked by what each may give, gets a ray"
+            }
             Reason::LightElsewhere => {
                 "lights, and ways from them, that do not reach the view get a small share"
             }
@@ -217,6 +227,7 @@ impl Reason {
             Reason::AllPathsWanted => "--paths",
             Reason::NothingLearned => "a light whose ways differ in use",
             Reason::OneDirection => "a second light, or one that has a surface",
+            Reason::FaintAmongStrong => "lights that are equally strong wherever the camera looks",
             Reason::LightElsewhere => "a view of what they light",
             Reason::JotonsElsewhere => "a view of more of the surfaces",
             Reason::MuchBackground => "a view with less background",
