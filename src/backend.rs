@@ -3,6 +3,7 @@
 use crate::bands::{BANDS, Bands};
 use crate::error::Result;
 use crate::film::LAYERS;
+use crate::rest::Rest;
 
 /// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
 /// gives the same sums up to rounding.
@@ -32,6 +33,13 @@ pub trait Backend {
         0.0
     }
 
+    /// From now on tiles rest as told: a batch holds the sums of the passes that each takes part in. False where the backend
+    /// does not do that; then it renders everything.
+    fn rest(&mut self, rest: &Rest) -> bool {
+        let _ = rest;
+        false
+    }
+
     /// Render passes `first .. first + count`, numbered from 0.
     ///
     /// # Errors
@@ -42,7 +50,8 @@ pub trait Backend {
 /// The sums of a few passes.
 #[derive(Debug, Clone)]
 pub struct Batch {
-    /// Radiance summed over the passes, W/(m² sr): one image for each layer, row by row from the top.
+    /// Radiance summed over the passes, W/(m² sr): one image for each layer, row by row from the top; empty for a layer that
+    /// is not traced.
     pub layers: [Vec<Bands>; LAYERS],
     /// What was counted on the way.
     pub tally: Tally,
@@ -67,6 +76,8 @@ pub struct Tally {
     pub non_finite: NonFinite,
     /// Paths cut at the hard limit of their length.
     pub truncated: u64,
+    /// Pixels of all passes that rested.
+    pub pixels_rested: u64,
 }
 
 /// Where a value that is not finite was met. It is left out there and counted.
@@ -146,5 +157,6 @@ impl std::ops::AddAssign for Tally {
         }
         self.non_finite += o.non_finite;
         self.truncated += o.truncated;
+        self.pixels_rested += o.pixels_rested;
     }
 }

@@ -32,6 +32,8 @@ pub struct Report {
     pub energy: Energy,
     /// What was not done, and why.
     pub skipped: Vec<Skip>,
+    /// What was saved inside passes.
+    pub saved: Saved,
     /// Radii of the maps.
     pub radius: Radius,
     /// Largest resident memory of the process; none where the system does not tell.
@@ -50,6 +52,13 @@ pub struct Report {
     pub kernels: Vec<KernelTime>,
     /// What was repaired or ignored in the scene.
     pub warnings: Vec<String>,
+}
+
+/// What was saved inside passes.
+#[derive(Debug, Serialize)]
+pub struct Saved {
+    /// Pixels of all passes that were not traced, since they rested.
+    pub pixels_rested: u64,
 }
 
 /// What a kernel took.
@@ -131,6 +140,7 @@ impl Report {
                 standard_error: rendered.energy_error,
             },
             skipped: plan.skipped.clone(),
+            saved: Saved { pixels_rested: t.pixels_rested },
             radius: Radius {
                 caustic: radius(plan.caustic_jotons, &plan.caustic),
                 diffuse: radius(plan.diffuse_jotons, &plan.diffuse),

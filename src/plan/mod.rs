@@ -22,6 +22,8 @@ pub struct Settings {
     pub paths: LightPaths,
     /// Shadow rays per gather point and pass.
     pub shadow_rays: u32,
+    /// Whether tiles rest that see one radiance only.
+    pub rest: bool,
 }
 
 /// Shadow rays that pay: where light is soft they halve the noise of direct light for a tenth of a pass.
@@ -29,7 +31,7 @@ pub const SHADOW_RAYS: u32 = 2;
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS }
+        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS, rest: true }
     }
 }
 
