@@ -6,10 +6,12 @@ use super::map::{Kind, Map, MapKernels, Shape};
 use super::recorder::Recorder;
 use super::ring::{RING_BYTES, Ring};
 use super::scene_buffers;
+use super::tiles::{self, TILES_PER_DISPATCH};
 use crate::error::Result;
 use crate::layout::MapInfo;
 use crate::pack::PackedScene;
 use crate::plan::Plan;
+use crate::rest::Rest;
 use bytemuck::Pod;
 use std::collections::HashMap;
 
@@ -40,6 +42,15 @@ impl<'a> Harness<'a> {
     pub fn new(context: &'a Context) -> Self {
         let mut buffers = Buffers::new();
         buffers.insert("ring", scene_buffers::uniform(context, "ring", RING_BYTES));
+        Self::with_buffers(context, buffers)
+    }
+
+    /// Tiles are listed in their order, as many as a dispatch sees.
+    fn with_buffers(context: &'a Context, mut buffers: Buffers) -> Self {
+        let tiles: Vec<u32> = (0..TILES_PER_DISPATCH).collect();
+        let buffer = tiles::buffer(context, TILES_PER_DISPATCH);
+        context.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tiles));
+        buffers.insert("tiles", buffer);
         Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) }
     }
 
@@ -48,8 +59,7 @@ impl<'a> Harness<'a> {
     /// # Errors
     /// [`crate::Error::Capacity`] where it does not fit.
     pub fn with_scene(context: &'a Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
-        let buffers = scene_buffers::upload(context, scene, plan)?;
-        Ok(Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) })
+        Ok(Self::with_buffers(context, scene_buffers::upload(context, scene, plan)?))
     }
 
     /// Create (or replace) a storage buffer.
@@ -87,7 +97,9 @@ impl<'a> Harness<'a> {
             per_pass.iter().map(|(name, bytes)| (*name, recorder.ring.push_bytes(bytes))).collect();
         match work {
             Work::Invocations(n) => recorder.dispatch(&step, &at, n),
-            Work::Tiles(size) => recorder.dispatch_tiles(&step, &at, size),
+            Work::Tiles(size) => {
+                recorder.dispatch_tiles(&step, &at, Rest::none(size).exponents().len() as u32)
+            }
             Work::Groups(groups) => recorder.dispatch_groups(&step, &at, groups),
         }
         recorder.submit(self.context, &self.buffers["ring"]);

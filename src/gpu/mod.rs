@@ -12,6 +12,7 @@ mod recorder;
 mod ring;
 mod scene_buffers;
 mod shaders;
+mod tiles;
 
 pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
@@ -24,6 +25,7 @@ use crate::film::LAYERS;
 use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
 use crate::plan::{Plan, area_group};
+use crate::rest::Rest;
 use crate::rng::sequence_seed;
 use map::{Kind, Shape};
 use pipelines::{Kernels, Steps};
@@ -31,6 +33,7 @@ use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::ops::Range;
 use std::sync::Arc;
+use tiles::Tiles;
 
 /// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
 const JOTONS_PER_LANE_SOFTWARE: u32 = 64;
@@ -58,6 +61,7 @@ pub struct GpuBackend {
     steps: Option<Steps>,
     shapes: Shapes,
     area: Option<AreaState>,
+    tiles: Tiles,
     ring: Ring,
     timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
@@ -94,7 +98,10 @@ impl GpuBackend {
             return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
         }
         let kernels = Kernels::new(&context, &scene, &plan)?;
-        let buffers = scene_buffers::upload(&context, &scene, &plan)?;
+        let mut buffers = scene_buffers::upload(&context, &scene, &plan)?;
+        let (tiles, words) = Tiles::new(Rest::none(scene.size));
+        buffers.insert("tiles", tiles::buffer(&context, tiles.all()));
+        context.queue.write_buffer(&buffers["tiles"], 0, bytemuck::cast_slice(&words));
         let lanes = |emitted: u32| {
             let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
             (emitted > 0).then(|| Shape {
@@ -115,6 +122,7 @@ impl GpuBackend {
             steps: None,
             shapes,
             area: None,
+            tiles,
             ring,
             timer: None,
             staging: None,
@@ -225,16 +233,16 @@ impl GpuBackend {
         let pass = self.pass_info(pass_index);
         let infos = [Kind::Caustic, Kind::Diffuse].map(|kind| self.map_info(kind, pass_number, pass_index));
         let Some(steps) = &self.steps else { return Ok(()) };
-        let pixels = self.scene.pixels() as u32;
+        let live = self.tiles.live(pass_number);
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
         let pass_info = recorder.ring.push(&pass);
         let at = [("pass_info", pass_info)];
-        recorder.dispatch(&steps.eye, &at, pixels);
+        recorder.dispatch_tiles(&steps.eye, &at, live);
         if let Some([glint, ..]) = &steps.glint {
-            recorder.dispatch(glint, &at, pixels);
+            recorder.dispatch_tiles(glint, &at, live);
         }
         if let Some(direct) = &steps.direct {
-            recorder.dispatch(direct, &at, pixels);
+            recorder.dispatch_tiles(direct, &at, live);
         }
         for (map, gather) in &steps.maps {
             let info = infos[map.kind as usize];
@@ -243,9 +251,9 @@ impl GpuBackend {
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
             if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
-                recorder.dispatch_tiles(boundary, &at, self.scene.size);
+                recorder.dispatch_tiles(boundary, &at, live);
             }
-            recorder.dispatch_tiles(gather, &at, self.scene.size);
+            recorder.dispatch_tiles(gather, &at, live);
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
         if let Some(timer) = &mut self.timer {
@@ -321,6 +329,13 @@ impl Backend for GpuBackend {
         self.plan.blur(pass)
     }
 
+    fn rest(&mut self, rest: &Rest) -> bool {
+        let (tiles, words) = Tiles::new(rest.clone());
+        self.tiles = tiles;
+        self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
+        self.plan.settings.rest
+    }
+
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tries = 0;
         let (films, words, tallies) = loop {
@@ -356,6 +371,8 @@ impl Backend for GpuBackend {
         }
         let t = &mut batch.tally;
         t.rays = status::rays(&words);
+        t.pixels_rested =
+            (first..first + u64::from(count)).map(|p| self.tiles.rest().pixels_resting(p)).sum();
         t.truncated = u64::from(words[status::TRUNCATED as usize]);
         let emitted = |s: Option<Shape>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
         t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);
