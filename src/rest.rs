@@ -125,6 +125,14 @@ impl Rest {
         clipped(self.size, tile)
     }
 
+    /// Rows of pixels from the first to the last tile that takes part in some of `passes` passes from `first` on.
+    pub fn rows(&self, first: u64, passes: u64) -> Range<usize> {
+        let mut live = (0..self.exponents.len()).filter(|t| self.samples(*t, first, passes) > 0);
+        let Some(top) = live.next() else { return 0..0 };
+        let bottom = live.next_back().unwrap_or(top);
+        self.tile(top)[1].start..self.tile(bottom)[1].end
+    }
+
     /// The tiles that take part in some of `passes` passes from `first` on, in runs.
     pub fn runs(&self, first: u64, passes: u64) -> Vec<Run> {
         let [across, down] = self.tiles();
@@ -212,6 +220,9 @@ mod tests {
                 let wanted = if live { 1 << rest.exponents()[tile] } else { 0 };
                 assert_eq!(*times, wanted, "pixel {p} in {passes} passes from {first}");
             }
+            let row = |at: usize| at / width;
+            let live: Vec<usize> = (0..times.len()).filter(|p| times[*p] > 0).map(row).collect();
+            assert_eq!(rest.rows(first, passes), live[0]..live[live.len() - 1] + 1);
             if passes == 1 {
                 let resting = times.iter().filter(|n| **n == 0).count() as u64;
                 assert_eq!(resting, rest.pixels_resting(first));
@@ -219,5 +230,7 @@ mod tests {
         }
         assert_eq!(rest.runs(1, 1).len(), 2, "neighbours that are alike are one run");
         assert!(Rest::none([20, 12]).is_none() && !rest.is_none());
+        assert_eq!(Rest::new([20, 12], vec![1; 6]).rows(3, 1), 0..0);
+        assert_eq!(Rest::new([20, 12], vec![1, 1, 1, 1, 0, 1]).rows(3, 1), 8..12);
     }
 }

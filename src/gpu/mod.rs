@@ -21,7 +21,7 @@ pub use shaders::{SOURCES, Variant, link, link_source};
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
-use crate::film::LAYERS;
+use crate::film::{LAYERS, Layer};
 use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
 use crate::plan::{Plan, area_group};
@@ -50,6 +50,8 @@ const DISPATCHES_MAX: u32 = 1 << 16;
 
 /// Films of the layers, in the order of [`Layer::ALL`].
 const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
+/// Bytes of a pixel of a film.
+const FILM_BYTES: u64 = 16;
 
 /// The GPU backend.
 pub struct GpuBackend {
@@ -147,7 +149,7 @@ impl GpuBackend {
             ("status", u64::from(status::SLOTS) * 4),
             ("area_starts", area::AREA_STARTS as u64 * 4),
         ]);
-        sizes.extend(FILMS.map(|f| (f, pixels * 16)));
+        sizes.extend(FILMS.map(|f| (f, pixels * FILM_BYTES)));
         map::check_capacity(context, &sizes)?;
         for (name, size) in sizes {
             if self.buffers.get(name).is_none_or(|b| b.size() < size) {
@@ -262,11 +264,24 @@ impl GpuBackend {
         Ok(())
     }
 
-    fn clear_films(&self) {
+    /// The films that are traced, by layer, and their bytes of these rows; none where there are no rows.
+    fn film_parts(&self, rows: &Range<usize>) -> Vec<(Layer, &wgpu::Buffer, Range<u64>)> {
+        let row_bytes = u64::from(self.scene.size[0]) * FILM_BYTES;
+        let bytes = rows.start as u64 * row_bytes..rows.end as u64 * row_bytes;
+        let traced =
+            Layer::ALL.into_iter().zip(FILMS).filter(|(l, _)| !rows.is_empty() && self.plan.traces(*l));
+        traced.map(|(layer, name)| (layer, &self.buffers[name], bytes.clone())).collect()
+    }
+
+    /// Clear what a batch writes; of the films these rows.
+    fn clear_films(&self, rows: &Range<usize>) {
         let mut encoder =
             self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for name in FILMS.into_iter().chain(["status", "tallies_caustic", "tallies_diffuse"]) {
+        for name in ["status", "tallies_caustic", "tallies_diffuse"] {
             encoder.clear_buffer(&self.buffers[name], 0, None);
+        }
+        for (_, film, bytes) in self.film_parts(rows) {
+            encoder.clear_buffer(film, bytes.start, Some(bytes.end - bytes.start));
         }
         self.context.queue.submit([encoder.finish()]);
     }
@@ -338,23 +353,24 @@ impl Backend for GpuBackend {
 
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tries = 0;
+        // what lies above and below is at rest
+        let rows = self.tiles.rest().rows(first, u64::from(count));
         let (films, words, tallies) = loop {
             tries += 1;
             if tries > BATCH_TRIES {
                 let what = format!("{}: passes {first} and on do not come out whole", self.context.info.name);
                 return Err(Error::device(what, "use --device cpu and report this as a bug of joton"));
             }
-            self.clear_films();
+            self.clear_films(&rows);
             for pass in first..first + u64::from(count) {
                 self.submit_pass(pass)?;
             }
-            let mut sources: Vec<&wgpu::Buffer> = vec![
-                &self.buffers["status"],
-                &self.buffers["tallies_caustic"],
-                &self.buffers["tallies_diffuse"],
-            ];
-            sources.extend(FILMS.map(|f| &self.buffers[f]));
-            let mut read = self.context.read(&mut self.staging, &sources)?;
+            let mut staging = self.staging.take();
+            let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
+            let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
+            sources.extend(self.film_parts(&rows).into_iter().map(|(_, film, bytes)| (film, bytes)));
+            let mut read = self.context.read_parts(&mut staging, &sources)?;
+            self.staging = staging;
             let words: Vec<u32> = bytemuck::pod_collect_to_vec(&read[0]);
             if !self.must_repeat(&words)? {
                 let films = read.split_off(3);
@@ -362,12 +378,14 @@ impl Backend for GpuBackend {
             }
         };
         let mut batch = Batch { layers: std::array::from_fn(|_| Vec::new()), tally: Tally::default() };
-        for (layer, bytes) in batch.layers.iter_mut().zip(&films) {
+        let width = self.scene.size[0] as usize;
+        for ((layer, ..), bytes) in self.film_parts(&rows).into_iter().zip(&films) {
             let pixels: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            *layer = pixels[..self.scene.pixels()]
-                .iter()
-                .map(|p| keep_finite(p, &mut batch.tally.non_finite))
-                .collect();
+            let mut image = vec![[0.0; BANDS]; self.scene.pixels()];
+            for (bands, p) in image[rows.start * width..rows.end * width].iter_mut().zip(pixels) {
+                *bands = keep_finite(p, &mut batch.tally.non_finite);
+            }
+            batch.layers[layer as usize] = image;
         }
         let t = &mut batch.tally;
         t.rays = status::rays(&words);
