@@ -90,13 +90,8 @@ impl Rest {
     /// The index in the sequences of its pixels that a tile uses in a pass: those of one power of two of passes follow each
     /// other, as even as all of them would be, and none is used twice.
     pub fn sequence_index(&self, tile: usize, pass: u32) -> u32 {
-        match self.exponents[tile] {
-            0 => pass,
-            k => {
-                let octave = 1 << pass.ilog2();
-                octave + ((pass - octave) >> k)
-            }
-        }
+        let octave = pass.checked_ilog2().map_or(0, |log| 1 << log);
+        octave + ((pass - octave) >> self.exponents[tile])
     }
 
     /// Pixels that do not take part in a pass.

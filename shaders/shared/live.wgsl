@@ -19,7 +19,7 @@ fn live_pixel(index: u32) -> u32 {
 // each other, and none is used twice.
 fn sequence_index(index: u32) -> u32 {
     let k = tile_word(index) >> TILE_BITS;
-    if k == 0u {
+    if k == 0u || pass_info.pass_index == 0u {
         return pass_info.pass_index;
     }
     let octave = 1u << firstLeadingBit(pass_info.pass_index);

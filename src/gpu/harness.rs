@@ -6,7 +6,7 @@ use super::map::{Kind, Map, MapKernels, Shape};
 use super::recorder::Recorder;
 use super::ring::{RING_BYTES, Ring};
 use super::scene_buffers;
-use super::tiles::{self, TILES_PER_DISPATCH};
+use super::tiles::{self, TILES_PER_DISPATCH, Tiles};
 use crate::error::Result;
 use crate::layout::MapInfo;
 use crate::pack::PackedScene;
@@ -60,6 +60,12 @@ impl<'a> Harness<'a> {
     /// [`crate::Error::Capacity`] where it does not fit.
     pub fn with_scene(context: &'a Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
         Ok(Self::with_buffers(context, scene_buffers::upload(context, scene, plan)?))
+    }
+
+    /// List the tiles of an image, those that rest least first.
+    pub fn rest(&mut self, rest: &Rest) {
+        let (_, words) = Tiles::new(rest.clone());
+        self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
     }
 
     /// Create (or replace) a storage buffer.
