@@ -2,7 +2,7 @@
 
 use crate::bands::{BANDS, Bands};
 use crate::error::Result;
-use crate::film::LAYERS;
+use crate::film::{LAYERS, Layer};
 use crate::rest::Rest;
 
 /// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
@@ -33,6 +33,12 @@ pub trait Backend {
         0.0
     }
 
+    /// Whether a layer can hold light at all: the others are black in every batch.
+    fn traces(&self, layer: Layer) -> bool {
+        let _ = layer;
+        true
+    }
+
     /// From now on tiles rest as told: a batch holds the sums of the passes that each takes part in. False where the backend
     /// does not do that; then it renders everything.
     fn rest(&mut self, rest: &Rest) -> bool {
@@ -50,8 +56,7 @@ pub trait Backend {
 /// The sums of a few passes.
 #[derive(Debug, Clone)]
 pub struct Batch {
-    /// Radiance summed over the passes, W/(m² sr): one image for each layer, row by row from the top; empty for a layer that
-    /// is not traced.
+    /// Radiance summed over the passes, W/(m² sr): one image for each layer, row by row from the top.
     pub layers: [Vec<Bands>; LAYERS],
     /// What was counted on the way.
     pub tally: Tally,

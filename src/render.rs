@@ -3,7 +3,7 @@
 use crate::backend::{Backend, Tally};
 use crate::bands::BANDS;
 use crate::error::Result;
-use crate::film::Picture;
+use crate::film::{Layer, Picture};
 pub use crate::halves::ErrorEstimate;
 use crate::halves::{self, Halves};
 use crate::quiet::Quiet;
@@ -141,7 +141,11 @@ pub fn render(
         let count = stop.passes.map_or(batch_passes, |most| batch_passes.min(most - passes));
         // powers of two, which blocks of resting tiles are whole parts of, or whole multiples
         let count = 1 << count.ilog2();
-        let batch = backend.render(passes, count as u32)?;
+        let mut batch = backend.render(passes, count as u32)?;
+        // black layers are not summed
+        for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
+            batch.layers[layer as usize] = Vec::new();
+        }
         sums.add(passes, count, &batch.layers, mean_blur(backend, passes, count));
         tally += batch.tally;
         imbalance.add(count, &batch.tally);

@@ -192,6 +192,10 @@ impl Backend for CpuBackend {
         self.plan.blur(pass)
     }
 
+    fn traces(&self, layer: Layer) -> bool {
+        self.plan.traces(layer)
+    }
+
     fn rest(&mut self, rest: &Rest) -> bool {
         self.rest = rest.clone();
         self.plan.settings.rest
@@ -214,13 +218,10 @@ impl Backend for CpuBackend {
             let area = self.area.as_ref().filter(|_| !self.plan.has_specular_bodies()).map(|a| &a.map);
             self.clips = pixels::clips(&self.scene, &self.plan, PILOT_PASS, area);
         }
-        let mut layers: [Vec<Bands>; LAYERS] = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
+        let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
         for pass in first..first + u64::from(count) {
             self.pass(pass, &mut layers, &mut tally);
             tally.pixels_rested += self.rest.pixels_resting(pass);
-        }
-        for layer in Layer::ALL.into_iter().filter(|l| !self.plan.traces(*l)) {
-            layers[layer as usize] = Vec::new();
         }
         Ok(Batch { layers, tally })
     }

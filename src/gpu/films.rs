@@ -34,7 +34,7 @@ impl GpuBackend {
         self.context.queue.submit([encoder.finish()]);
     }
 
-    /// The layers from what was read of [`GpuBackend::film_parts`]; empty where nothing was.
+    /// The layers from what was read of [`GpuBackend::film_parts`]; black where nothing was.
     pub(super) fn images(
         &self,
         rows: &Range<usize>,
@@ -42,14 +42,14 @@ impl GpuBackend {
         non_finite: &mut NonFinite,
     ) -> [Vec<Bands>; LAYERS] {
         let width = self.scene.size[0] as usize;
-        let mut layers: [Vec<Bands>; LAYERS] = Default::default();
+        // zeros that are never touched take no time
+        let mut layers = std::array::from_fn(|_| vec![[0.0; BANDS]; self.scene.pixels()]);
         for ((layer, ..), bytes) in self.film_parts(rows).into_iter().zip(parts) {
             let pixels: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            let mut image = vec![[0.0; BANDS]; self.scene.pixels()];
+            let image: &mut Vec<Bands> = &mut layers[layer as usize];
             for (bands, p) in image[rows.start * width..rows.end * width].iter_mut().zip(pixels) {
                 *bands = keep_finite(p, non_finite);
             }
-            layers[layer as usize] = image;
         }
         layers
     }

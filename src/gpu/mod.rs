@@ -22,6 +22,7 @@ pub use shaders::{SOURCES, Variant, link, link_source};
 use crate::backend::{Backend, Batch, Tally};
 use crate::bands::BANDS;
 use crate::error::{Error, Result};
+use crate::film::Layer;
 use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
 use crate::plan::{Plan, area_group};
@@ -316,6 +317,10 @@ impl Backend for GpuBackend {
 
     fn blur(&self, pass: u64) -> f64 {
         self.plan.blur(pass)
+    }
+
+    fn traces(&self, layer: Layer) -> bool {
+        self.plan.traces(layer)
     }
 
     fn rest(&mut self, rest: &Rest) -> bool {
