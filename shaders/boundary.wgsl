@@ -1,9 +1,10 @@
 // Boundary: what part of a gather point's disc is surface at all, and the weights of a local linear fit over it.
 // Σ a (c0 + c1 x + c2 y) (1, x, y) = (1, 0, 0) over the area points in the disc [E15]: exact for a linear field, so what a
 // disc loses at an edge or in a corner neither darkens nor bends the estimate.
-// reads  map_info, gather_points, area_points (bucket order), area_starts, clips (passes)
+// reads  tiles, map_info, gather_points, area_points (bucket order), area_starts, clips (passes)
 // writes  fits, edges (pilot: 1 cut, 2 other surfaces near; passes read the first)
 // import: shared/index.wgsl
+// import: shared/live.wgsl
 // import: shared/sampling.wgsl
 // import: shared/grid.wgsl
 // import: shared/lanes.wgsl
@@ -48,7 +49,7 @@ fn edge_near(pixel: u32) -> bool {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let lanes = lanes_here();
-    let pixel = tiled_pixel(linear_index(id, groups), pass_info.width, pass_info.height);
+    let pixel = live_pixel(linear_index(id, groups));
     let is_pixel = pixel != NO_PIXEL;
     let point = gather_points[select(0u, pixel, is_pixel)];
     let pilot = pass_info.pass_index == PILOT_PASS;

@@ -1,9 +1,10 @@
 // Direct: light that reaches a gather point straight from an emitter, by shadow rays (E S* D L).
 // L = f_r Le V G / (pick pdf_area), averaged over the shadow rays [E5]; where the surface is glossy or touches an emitter,
 // each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas 1995).
-// reads  scene, gather_points, path_filter      writes  film_direct, status
+// reads  scene, tiles, gather_points, path_filter      writes  film_direct, status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
+// import: shared/live.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
 // import: shared/intersect.wgsl
@@ -99,8 +100,9 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let index = linear_index(id, groups);
+    let pixel = live_pixel(index);
+    if pixel == NO_PIXEL {
         return;
     }
     let point = gather_points[pixel];
@@ -116,19 +118,20 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let origin = offset_origin(point.position, geometric);
     let seed = sequence_seed(pass_info.seed, pixel, STREAM_LIGHT);
     let shared_weight = (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || near_emitter(point.position);
+    let sample = sequence_index(index);
     var sum = Bands(0.0);
     var rays = 0u;
     var saved = 0u;
     let candidates = f32(pass_info.light_candidates);
     for (var ray = 0u; ray < pass_info.shadow_rays; ray += 1u) {
-        let u = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_DIRECT + ray);
+        let u = random4(pass_info.seed, sample, pixel, DIMENSION_DIRECT + ray);
         // one of the candidates gets the shadow ray, by what each would give if nothing shaded it, for all of them [E24]
         var picked = LightSample(vec3(0.0), 0.0, Bands(0.0), 0.0);
         var given = Bands(0.0);
         var total = 0.0;
         var choice = u.w;
         var found = 0u;
-        let first = (pass_info.pass_index * pass_info.shadow_rays + ray) * pass_info.light_candidates;
+        let first = (sample * pass_info.shadow_rays + ray) * pass_info.light_candidates;
         for (var k = 0u; k < pass_info.light_candidates; k += 1u) {
             let light = sample_light(origin, sobol2(first + k, seed));
             let cos_receiver = dot(light.wi, shading);

@@ -1,8 +1,9 @@
 // Eye: one camera path per pixel, through mirrors and glass to the first diffuse surface: a gather point.
 // Emission that is met on the way goes to the film (E S* L), but where the glint kernel sees to it.
-// reads  scene, path_filter      writes  gather_points, film_emission, status
+// reads  scene, tiles, path_filter      writes  gather_points, film_emission, status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
+// import: shared/live.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
 // import: shared/surface.wgsl
@@ -21,12 +22,14 @@ const CHAIN_MAX: u32 = 63u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let index = linear_index(id, groups);
+    let pixel = live_pixel(index);
+    if pixel == NO_PIXEL {
         return;
     }
-    let jitter = sobol2(pass_info.pass_index, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
-    let choices = sobol2(pass_info.pass_index, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
+    let sample = sequence_index(index);
+    let jitter = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
+    let choices = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
     let flags = gather_points[pixel].pixel_flags;
     var origin = pass_info.eye;
     var direction = camera_direction(pixel, jitter);
@@ -61,7 +64,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if kept <= 0.0 {
             break;
         }
-        let random = random4(pass_info.seed, pass_info.pass_index, pixel, DIMENSION_EYE + events);
+        let random = random4(pass_info.seed, sample, pixel, DIMENSION_EYE + events);
         var choice = random.x;
         if events < 2u {
             choice = select(choices.y, choices.x, events == 0u);

@@ -1,10 +1,11 @@
 // Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
 // L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the weights of the boundary's fit; no cosine, it is in Φ already.  [E7] Jensen 1996
 // Two variants: the caustic map (a radius for each pixel) and the diffuse map (fitted at boundaries).
-// reads  map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits, clips
+// reads  tiles, map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits, clips
 // writes  film, status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
+// import: shared/live.wgsl
 // import: shared/grid.wgsl
 // import: shared/lanes.wgsl
 // import: shared/clip.wgsl
@@ -29,7 +30,7 @@ override CAUSTIC: bool = false;
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let lanes = lanes_here();
-    let pixel = tiled_pixel(linear_index(id, groups), pass_info.width, pass_info.height);
+    let pixel = live_pixel(linear_index(id, groups));
     if lanes_min(select(1u, 0u, pixel != NO_PIXEL)) != 0u {
         return;
     }

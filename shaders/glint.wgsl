@@ -1,9 +1,10 @@
 // Glint: emission seen through specular surfaces (E S* L) where it is small in the image: a few camera chains that branch
 // evenly between reflection and refraction. A lamp's four percent in a water surface is then found by every other chain
 // instead of by every twenty-fifth. Only for pixels that the pilot marked; the eye kernel leaves these to us.
-// reads  scene, path_filter, gather_points (its pixel flags)      writes  film (emission; counts in the pilot), status
+// reads  scene, tiles, path_filter, gather_points (its pixel flags)      writes  film (emission; counts in the pilot), status
 // import: shared/features.wgsl
 // import: shared/index.wgsl
+// import: shared/live.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
 // import: shared/surface.wgsl
@@ -103,14 +104,16 @@ fn chain(pixel: u32, number: u32, budget: u32) -> Seen {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let index = linear_index(id, groups);
+    let pixel = live_pixel(index);
+    if pixel == NO_PIXEL {
         return;
     }
     let pilot = pass_info.pass_index == PILOT_PASS;
     if !pilot && (gather_points[pixel].pixel_flags & PIXEL_GLINT) == 0u {
         return;
     }
+    let sample = sequence_index(index);
     let chains = select(CHAINS, PILOT_CHAINS, pilot);
     var emission = Bands(0.0);
     var lit = 0u;
@@ -119,7 +122,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     for (var i = 0u; i < chains; i += 1u) {
         // the chains to come keep their part
         let budget = CAMERA_STEPS - STEP_RAMP * (chains - 1u - i);
-        let seen = chain(pixel, pass_info.pass_index * chains + i, budget);
+        let seen = chain(pixel, sample * chains + i, budget);
         emission += seen.emission;
         rays += seen.rays;
         lit += select(0u, 1u, max_band(seen.emission) > 0.0);

@@ -2,7 +2,8 @@
 
 use crate::bands::{BANDS, Bands};
 use crate::error::Result;
-use crate::film::LAYERS;
+use crate::film::{LAYERS, Layer};
+use crate::rest::Rest;
 
 /// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
 /// gives the same sums up to rounding.
@@ -30,6 +31,19 @@ pub trait Backend {
     fn blur(&self, pass: u64) -> f64 {
         let _ = pass;
         0.0
+    }
+
+    /// Whether a layer can hold light at all: the others are black in every batch.
+    fn traces(&self, layer: Layer) -> bool {
+        let _ = layer;
+        true
+    }
+
+    /// From now on tiles rest as told: a batch holds the sums of the passes that each takes part in. False where the backend
+    /// does not do that; then it renders everything.
+    fn rest(&mut self, rest: &Rest) -> bool {
+        let _ = rest;
+        false
     }
 
     /// Render passes `first .. first + count`, numbered from 0.
@@ -71,6 +85,8 @@ pub struct Tally {
     pub non_finite: NonFinite,
     /// Paths cut at the hard limit of their length.
     pub truncated: u64,
+    /// Pixels of all passes that rested.
+    pub pixels_rested: u64,
 }
 
 /// Where a value that is not finite was met. It is left out there and counted.
@@ -152,5 +168,6 @@ impl std::ops::AddAssign for Tally {
         }
         self.non_finite += o.non_finite;
         self.truncated += o.truncated;
+        self.pixels_rested += o.pixels_rested;
     }
 }

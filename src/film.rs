@@ -2,11 +2,12 @@
 
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
+use crate::rest::Rest;
 
-/// Bytes of host memory for a pixel, from the first pass to the written file: the film (96) and what tells its error (120), a
-/// batch (48 and its copy from the device), the picture (60), channels and screen values for the files (75), the backend's
-/// own state.
-const BYTES_PER_PIXEL: u64 = 568;
+/// Bytes of host memory for a pixel, from the first pass to the written file: the film (96, and 48 where pixels rest) and
+/// what tells its error (120), a batch (48 and its copy from the device), the picture (60), channels and screen values for
+/// the files (75), the backend's own state.
+const BYTES_PER_PIXEL: u64 = 616;
 
 /// Refuse an image that does not fit the memory that is left, before any of it is taken.
 ///
@@ -86,20 +87,32 @@ pub struct Picture {
     pub layers: [Image; LAYERS],
 }
 
-/// Sums over passes, per layer and pixel, in f64: 1e5 passes do not drift.
+/// Sums over passes, per layer and pixel, in f64: 1e5 passes do not drift. A sample of a tile that rests counts for the
+/// passes of its block [E21].
 #[derive(Debug, Clone)]
 pub struct Film {
     width: u32,
     height: u32,
     passes: u64,
     sums: [Vec<[f64; BANDS]>; LAYERS],
+    rest: Rest,
+    /// The last sample of the pixels whose block is longer than a batch; empty before there are any. `sums` has it as often
+    /// as its block has passes, those to come among them.
+    last: [Vec<Bands>; LAYERS],
 }
 
 impl Film {
     /// An empty film.
     pub fn new(width: u32, height: u32) -> Self {
         let n = width as usize * height as usize;
-        Self { width, height, passes: 0, sums: std::array::from_fn(|_| vec![[0.0; BANDS]; n]) }
+        Self {
+            width,
+            height,
+            passes: 0,
+            sums: std::array::from_fn(|_| vec![[0.0; BANDS]; n]),
+            rest: Rest::none([width, height]),
+            last: Default::default(),
+        }
     }
 
     /// Pixels across and down.
@@ -112,35 +125,77 @@ impl Film {
         self.passes
     }
 
-    /// Add the sums of `passes` passes, one slice of pixels for each layer.
+    /// Who rests.
+    pub fn rest(&self) -> &Rest {
+        &self.rest
+    }
+
+    /// From here on these tiles rest. No block of those that do now is open.
+    pub fn set_rest(&mut self, rest: Rest) {
+        if !rest.is_none() && self.last[0].is_empty() {
+            self.last = std::array::from_fn(|_| vec![[0.0; BANDS]; self.sums[0].len()]);
+        }
+        self.rest = rest;
+    }
+
+    /// Add the sums of `passes` passes, one slice of pixels for each layer; none for a layer that is not traced. They are a
+    /// power of two and begin at a multiple of it, where anything rests.
     pub fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
+        let width = self.width as usize;
+        let runs = self.rest.runs(self.passes, passes);
         self.passes += passes;
-        for (sum, layer) in self.sums.iter_mut().zip(layers) {
+        for ((sum, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
+            if layer.is_empty() {
+                continue;
+            }
             assert_eq!(sum.len(), layer.len(), "a batch has as many pixels as the film");
-            for (s, l) in sum.iter_mut().zip(layer) {
-                for b in 0..BANDS {
-                    s[b] += f64::from(l[b]);
+            for run in &runs {
+                let weight = run.weight as f64;
+                for pixels in run.pixels(width) {
+                    if run.weight > passes {
+                        last[pixels.clone()].copy_from_slice(&layer[pixels.clone()]);
+                    }
+                    for (s, l) in sum[pixels.clone()].iter_mut().zip(&layer[pixels]) {
+                        for b in 0..BANDS {
+                            s[b] += weight * f64::from(l[b]);
+                        }
+                    }
                 }
+            }
+        }
+    }
+
+    /// Sum over the passes of a layer of a pixel.
+    fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
+        let sum = self.sums[layer][pixel];
+        match self.rest.pending_at(pixel, self.passes) {
+            0 => sum,
+            pending => {
+                let last = self.last[layer][pixel];
+                std::array::from_fn(|b| sum[b] - pending as f64 * f64::from(last[b]))
             }
         }
     }
 
     /// Sum over the passes of one pixel, all layers together.
     pub fn sum_of_layers(&self, pixel: usize) -> [f64; BANDS] {
-        std::array::from_fn(|b| self.sums.iter().map(|s| s[pixel][b]).sum::<f64>())
+        (0..LAYERS).fold([0.0; BANDS], |sum, layer| {
+            let more = self.sum(layer, pixel);
+            std::array::from_fn(|b| sum[b] + more[b])
+        })
     }
 
     /// The mean of the passes, whole and by layer.
     pub fn picture(&self) -> Picture {
         let n = self.passes.max(1) as f64;
-        let image = |f: &dyn Fn(usize, usize) -> f64| Image {
+        let image = |f: &dyn Fn(usize) -> [f64; BANDS]| Image {
             width: self.width,
             height: self.height,
-            pixels: (0..self.sums[0].len()).map(|p| std::array::from_fn(|b| (f(p, b) / n) as f32)).collect(),
+            pixels: (0..self.sums[0].len()).map(|p| f(p).map(|x| (x / n) as f32)).collect(),
         };
         Picture {
-            whole: image(&|p, b| self.sums.iter().map(|s| s[p][b]).sum()),
-            layers: std::array::from_fn(|l| image(&|p, b| self.sums[l][p][b])),
+            whole: image(&|p| self.sum_of_layers(p)),
+            layers: std::array::from_fn(|l| image(&|p| self.sum(l, p))),
         }
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::bands::BANDS;
 use crate::film::{Film, LAYERS, Layer, Picture, RELATIVE_OFFSET};
+use crate::rest::{Rest, Run};
 use rayon::prelude::*;
 
 /// Blocks across and down whose spread tells how sure the squared bias is.
@@ -59,16 +60,34 @@ struct Line {
 }
 
 impl Line {
-    fn add(&mut self, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
-        let [caustic, diffuse] = [Layer::Caustic, Layer::Diffuse].map(|l| &layers[l as usize]);
-        self.radiance.resize(caustic.len(), [0.0; BANDS]);
-        self.blurred.resize(caustic.len(), [0.0; BANDS]);
-        let sums = self.radiance.iter_mut().zip(&mut self.blurred);
-        for ((sum, blurred), (c, d)) in sums.zip(caustic.iter().zip(diffuse)) {
-            for b in 0..BANDS {
-                let radiance = f64::from(c[b]) + f64::from(d[b]);
-                sum[b] += radiance;
-                blurred[b] += blur * radiance;
+    fn add(
+        &mut self,
+        film: &Film,
+        passes: u64,
+        layers: &[Vec<[f32; BANDS]>; LAYERS],
+        blur: f64,
+        runs: &[Run],
+    ) {
+        let [width, height] = film.size().map(|n| n as usize);
+        self.radiance.resize(width * height, [0.0; BANDS]);
+        self.blurred.resize(width * height, [0.0; BANDS]);
+        for layer in [Layer::Caustic, Layer::Diffuse].map(|l| &layers[l as usize]) {
+            if layer.is_empty() {
+                continue;
+            }
+            for run in runs {
+                let weight = run.weight as f64;
+                for pixels in run.pixels(width) {
+                    let sums =
+                        self.radiance[pixels.clone()].iter_mut().zip(&mut self.blurred[pixels.clone()]);
+                    for ((sum, blurred), l) in sums.zip(&layer[pixels]) {
+                        for b in 0..BANDS {
+                            let radiance = weight * f64::from(l[b]);
+                            sum[b] += radiance;
+                            blurred[b] += blur * radiance;
+                        }
+                    }
+                }
             }
         }
         let n = passes as f64;
@@ -107,10 +126,16 @@ impl Halves {
             self.early = (0..width * height).map(|p| self.film.sum_of_layers(p)).collect();
             self.early_passes = first;
         }
-        self.film.add(passes, layers);
         if blur > 0.0 {
-            self.lines[half(first)].add(passes, layers, blur);
+            let runs = self.film.rest().runs(first, passes);
+            self.lines[half(first)].add(&self.film, passes, layers, blur, &runs);
         }
+        self.film.add(passes, layers);
+    }
+
+    /// From here on these tiles rest.
+    pub(crate) fn set_rest(&mut self, rest: Rest) {
+        self.film.set_rest(rest);
     }
 
     /// The mean of all passes.

@@ -333,6 +333,7 @@ pub fn constants() -> String {
         EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS,
         WARP_WORDS,
     };
+    use crate::rest::TILE;
     use std::fmt::Write;
     let mut s = String::new();
     let mut u =
@@ -376,6 +377,10 @@ pub fn constants() -> String {
     u("TRAVERSAL_STACK", TRAVERSAL_STACK);
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);
     u("ROW_FACTOR_Z", ROW_FACTORS[1]);
+    u("TILE", TILE);
+    u("TILES_VECTORS", TILES_VECTORS);
+    u("TILE_BITS", TILE_BITS);
+    u("TILE_MASK", (1 << TILE_BITS) - 1);
     u("SMALL_NODE_WORDS", SMALL_NODE_WORDS);
     u("SMALL_TRIANGLES", SMALL_TRIANGLES);
     u("SMALL_MATERIALS", SMALL_MATERIALS);
@@ -418,6 +423,11 @@ pub const STEP_BUDGET: u32 = 3600;
 /// The same for a camera path where loops end when they should: it cannot be continued, so what it has not found by then
 /// is left to the chances of a few.
 pub const STEP_BUDGET_HARDWARE: u32 = 16 * STEP_BUDGET;
+
+/// Vectors of four words of the list of tiles that a dispatch sees: WebGPU's least uniform binding, 64 KiB.
+pub const TILES_VECTORS: u32 = 4096;
+/// Low bits of a word of that list: the number of a tile.
+pub const TILE_BITS: u32 = 24;
 
 /// Levels of the hierarchy that a traversal can keep in mind; obvhs' own limit.
 pub const TRAVERSAL_STACK: u32 = 32;

@@ -3,9 +3,11 @@
 use crate::backend::{Backend, Tally};
 use crate::bands::BANDS;
 use crate::error::Result;
-use crate::film::Picture;
+use crate::film::{Layer, Picture};
 pub use crate::halves::ErrorEstimate;
 use crate::halves::{self, Halves};
+use crate::quiet::Quiet;
+use crate::rest::Rest;
 use std::time::Instant;
 
 /// When to stop; the first that is met. None at all: until the error estimate is [`DEFAULT_ERROR`], at most
@@ -128,6 +130,7 @@ pub fn render(
         stop
     };
     let mut sums = Halves::new(size);
+    let mut quiet = backend.rest(&Rest::none(size)).then(|| Quiet::new(size));
     let mut tally = Tally::default();
     let mut imbalance = Imbalance::default();
     let mut passes = 0u64;
@@ -136,11 +139,24 @@ pub fn render(
     loop {
         let batch_passes = u64::from(backend.batch_passes(passes)).min(halves::run(passes));
         let count = stop.passes.map_or(batch_passes, |most| batch_passes.min(most - passes));
-        let batch = backend.render(passes, count as u32)?;
+        // powers of two, which blocks of resting tiles are whole parts of, or whole multiples
+        let count = 1 << count.ilog2();
+        let mut batch = backend.render(passes, count as u32)?;
+        // black layers are not summed
+        for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
+            batch.layers[layer as usize] = Vec::new();
+        }
         sums.add(passes, count, &batch.layers, mean_blur(backend, passes, count));
         tally += batch.tally;
         imbalance.add(count, &batch.tally);
         passes += count;
+        if let Some(quiet) = &mut quiet {
+            quiet.watch(passes - count, count, &batch.layers);
+            if let Some(rest) = quiet.renew(passes) {
+                backend.rest(rest);
+                sums.set_rest(rest.clone());
+            }
+        }
         if is_estimated(passes) {
             error = sums.error();
         }

@@ -28,12 +28,12 @@ pub struct Report {
     pub jotons_emitted: u64,
     /// Jotons stored in the maps.
     pub jotons_stored: u64,
-    /// What was saved inside passes.
-    pub saved: Saved,
     /// Where the light went.
     pub energy: Energy,
     /// What was not done, and why.
     pub skipped: Vec<Skip>,
+    /// What was saved inside passes.
+    pub saved: Saved,
     /// Radii of the maps.
     pub radius: Radius,
     /// Largest resident memory of the process; none where the system does not tell.
@@ -57,6 +57,8 @@ pub struct Report {
 /// What was saved inside passes: work that would not have changed the expected image.
 #[derive(Debug, Serialize)]
 pub struct Saved {
+    /// Pixels of all passes that were not traced, since they rested.
+    pub pixels_rested: u64,
     /// Jotons that were not stored, since the camera does not look where they are.
     pub jotons_not_stored: u64,
     /// Shadow rays that were not traced, since another one stood for them.
@@ -134,6 +136,7 @@ impl Report {
             jotons_emitted: t.jotons_emitted,
             jotons_stored: t.jotons_stored,
             saved: Saved {
+                pixels_rested: t.pixels_rested,
                 jotons_not_stored: t.jotons_not_stored,
                 shadow_rays_not_traced: t.shadow_rays_saved,
             },

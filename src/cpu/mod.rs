@@ -28,7 +28,8 @@ use crate::error::Result;
 use crate::film::{LAYERS, Layer};
 use crate::layout::PILOT_PASS;
 use crate::pack::{PackedScene, scatter_area_points};
-use crate::plan::{Plan, area_group, shrink};
+use crate::plan::{Part, Plan, area_group, shrink};
+use crate::rest::Rest;
 use crate::rng::sequence_seed;
 use boundary::Interior;
 use clip::Clip;
@@ -54,6 +55,7 @@ pub struct CpuBackend {
     clips: Vec<Clip>,
     area: Option<Area>,
     survey: Option<Survey>,
+    rest: Rest,
 }
 
 /// What is known of the diffuse surfaces' area, for a group of passes.
@@ -95,12 +97,15 @@ struct Pass<'a> {
     interiors: &'a [Interior],
     /// Walls about each pixel's gather point; empty where no map is traced.
     clips: &'a [Clip],
+    /// Who rests.
+    rest: &'a Rest,
 }
 
 impl CpuBackend {
     /// A backend for a scene and its plan, on the threads of rayon's current pool.
     pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
         Self {
+            rest: Rest::none(scene.size),
             scene,
             plan,
             caustic_base: Vec::new(),
@@ -171,6 +176,7 @@ impl CpuBackend {
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
             diffuse_radius,
             clips: &self.clips,
+            rest: &self.rest,
             interiors: self.survey.as_ref().map_or(&[][..], |s| &s.interiors[..]),
         };
         *tally += pixels::render(&pass, layers);
@@ -184,6 +190,15 @@ impl Backend for CpuBackend {
 
     fn blur(&self, pass: u64) -> f64 {
         self.plan.blur(pass)
+    }
+
+    fn traces(&self, layer: Layer) -> bool {
+        self.plan.traces(layer)
+    }
+
+    fn rest(&mut self, rest: &Rest) -> bool {
+        self.rest = rest.clone();
+        !self.plan.settings.keeps(Part::Rest)
     }
 
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
@@ -206,6 +221,7 @@ impl Backend for CpuBackend {
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
         for pass in first..first + u64::from(count) {
             self.pass(pass, &mut layers, &mut tally);
+            tally.pixels_rested += self.rest.pixels_resting(pass);
         }
         Ok(Batch { layers, tally })
     }

@@ -13,18 +13,17 @@ use crate::layout::CLIP_KEPT_MIN;
 use crate::pack::PackedScene;
 use crate::paths::{Event, LightPaths};
 use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
+use crate::rest::TILE;
 use rayon::prelude::*;
 
-/// Side of a tile, pixels.
-const TILE: u32 = 8;
-
-/// The pixels of a strip of tiles that lie in the image, tile by tile.
-fn strip(size: [u32; 2], strip: u32) -> impl Iterator<Item = u32> {
-    let [width, height] = size;
+/// The tiles of a strip: number in the image, and the pixels that lie in it.
+fn tiles([width, height]: [u32; 2], strip: u32) -> impl Iterator<Item = (u32, impl Iterator<Item = u32>)> {
+    let across = width.div_ceil(TILE);
     let rows = strip * TILE..((strip + 1) * TILE).min(height);
-    (0..width.div_ceil(TILE)).flat_map(move |tile| {
+    (0..across).map(move |tile| {
         let columns = tile * TILE..((tile + 1) * TILE).min(width);
-        rows.clone().flat_map(move |y| columns.clone().map(move |x| y * width + x))
+        let pixels = rows.clone().flat_map(move |y| columns.clone().map(move |x| y * width + x));
+        (strip * across + tile, pixels)
     })
 }
 
@@ -45,13 +44,17 @@ pub(super) fn render(pass: &Pass, layers: &mut [Vec<Bands>; LAYERS]) -> Tally {
         .enumerate()
         .map(|(i, mut out)| {
             let mut tally = Tally::default();
-            for pixel in strip(size, i as u32) {
-                let local = pixel as usize - i * per_strip;
-                for (layer, radiance) in out.iter_mut().zip(one(pass, pixel, &mut tally)) {
-                    if radiance.iter().all(|x| is_finite(*x)) {
-                        layer[local] = add(&layer[local], &radiance);
-                    } else {
-                        tally.non_finite.count(Cause::Pixel);
+            let live = |tile: &u32| pass.rest.is_live(*tile as usize, u64::from(pass.index));
+            for (tile, pixels) in tiles(size, i as u32).filter(|(tile, _)| live(tile)) {
+                let index = pass.rest.sequence_index(tile as usize, pass.index);
+                for pixel in pixels {
+                    let local = pixel as usize - i * per_strip;
+                    for (layer, radiance) in out.iter_mut().zip(one(pass, pixel, index, &mut tally)) {
+                        if radiance.iter().all(|x| is_finite(*x)) {
+                            layer[local] = add(&layer[local], &radiance);
+                        } else {
+                            tally.non_finite.count(Cause::Pixel);
+                        }
                     }
                 }
             }
@@ -68,14 +71,14 @@ fn is_finite(x: f32) -> bool {
     x.to_bits() & 0x7f80_0000 != 0x7f80_0000
 }
 
-/// The radiance of one pixel in one pass, by layer.
-fn one(pass: &Pass, pixel: u32, tally: &mut Tally) -> [Bands; LAYERS] {
+/// The radiance of one pixel in one pass, by layer, by the random numbers of `index`.
+fn one(pass: &Pass, pixel: u32, index: u32, tally: &mut Tally) -> [Bands; LAYERS] {
     let (scene, plan) = (pass.scene, pass.plan);
     let mut out = [[0.0; crate::bands::BANDS]; LAYERS];
-    let path = eye::follow(scene, plan, pixel, pass.index, tally);
+    let path = eye::follow(scene, plan, pixel, index, tally);
     if plan.traces(Layer::Emission) {
         out[Layer::Emission as usize] = if pass.glints[pixel as usize] {
-            glint::emission(scene, plan, pixel, pass.index, tally)
+            glint::emission(scene, plan, pixel, index, tally)
         } else {
             path.emission
         };
@@ -85,7 +88,7 @@ fn one(pass: &Pass, pixel: u32, tally: &mut Tally) -> [Bands; LAYERS] {
     let accepted = plan.features.path_filter.then(|| paths.accept_mask_after_specular(g.chain));
     let after_d = paths.step(LightPaths::START, Event::D);
     if plan.traces(Layer::Direct) && accepted.is_none_or(|mask| mask >> after_d & 1 == 1) {
-        out[Layer::Direct as usize] = direct::light(scene, plan, &g, pixel, pass.index, tally);
+        out[Layer::Direct as usize] = direct::light(scene, plan, &g, pixel, index, tally);
     }
     if plan.traces(Layer::Caustic) {
         let [smallest, largest] = caustic_limits(scene, plan, &g);
@@ -121,7 +124,7 @@ pub(super) fn interiors(
     let strips: Vec<Vec<(u32, Interior)>> = (0..scene.size[1].div_ceil(TILE))
         .into_par_iter()
         .map(|i| {
-            let surveyed = strip(scene.size, i).filter_map(|pixel| {
+            let surveyed = tiles(scene.size, i).flat_map(|(_, pixels)| pixels).filter_map(|pixel| {
                 let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point?;
                 Some((pixel, Interior::survey(area, &g, radius)))
             });

@@ -1,6 +1,7 @@
 //! Context: the adapters of this machine and an open device.
 
 use crate::error::{Error, Result};
+use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 /// An open device with its queue, and the first error that nobody caught.
@@ -147,7 +148,21 @@ impl Context {
         staging: &mut Option<wgpu::Buffer>,
         sources: &[&wgpu::Buffer],
     ) -> Result<Vec<Vec<u8>>> {
-        let total: u64 = sources.iter().map(|b| b.size()).sum();
+        let whole: Vec<_> = sources.iter().map(|b| (*b, 0..b.size())).collect();
+        self.read_parts(staging, &whole)
+    }
+
+    /// Likewise of these bytes of each.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the copy fails.
+    pub fn read_parts(
+        &self,
+        staging: &mut Option<wgpu::Buffer>,
+        sources: &[(&wgpu::Buffer, Range<u64>)],
+    ) -> Result<Vec<Vec<u8>>> {
+        let length = |bytes: &Range<u64>| bytes.end - bytes.start;
+        let total: u64 = sources.iter().map(|(_, bytes)| length(bytes)).sum();
         if staging.as_ref().is_none_or(|s| s.size() < total) {
             *staging = Some(self.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("staging"),
@@ -159,9 +174,9 @@ impl Context {
         let Some(staging) = staging else { return Ok(Vec::new()) };
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut at = 0;
-        for source in sources {
-            encoder.copy_buffer_to_buffer(source, 0, staging, at, source.size());
-            at += source.size();
+        for (source, bytes) in sources {
+            encoder.copy_buffer_to_buffer(source, bytes.start, staging, at, length(bytes));
+            at += length(bytes);
         }
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = futures_intrusive::channel::shared::oneshot_channel();
@@ -180,8 +195,8 @@ impl Context {
             let mapped =
                 staging.get_mapped_range(..total).map_err(|e| failed(format!("mapping failed: {e}")))?;
             let mut at = 0;
-            for source in sources {
-                let size = source.size() as usize;
+            for (_, bytes) in sources {
+                let size = length(bytes) as usize;
                 out.push(mapped[at..at + size].to_vec());
                 at += size;
             }

@@ -6,10 +6,12 @@ use super::map::{Kind, Map, MapKernels, Shape};
 use super::recorder::Recorder;
 use super::ring::{RING_BYTES, Ring};
 use super::scene_buffers;
+use super::tiles::{self, TILES_PER_DISPATCH, Tiles};
 use crate::error::Result;
 use crate::layout::MapInfo;
 use crate::pack::PackedScene;
 use crate::plan::Plan;
+use crate::rest::Rest;
 use bytemuck::Pod;
 use std::collections::HashMap;
 
@@ -40,6 +42,15 @@ impl<'a> Harness<'a> {
     pub fn new(context: &'a Context) -> Self {
         let mut buffers = Buffers::new();
         buffers.insert("ring", scene_buffers::uniform(context, "ring", RING_BYTES));
+        Self::with_buffers(context, buffers)
+    }
+
+    /// Tiles are listed in their order, as many as a dispatch sees.
+    fn with_buffers(context: &'a Context, mut buffers: Buffers) -> Self {
+        let tiles: Vec<u32> = (0..TILES_PER_DISPATCH).collect();
+        let buffer = tiles::buffer(context, TILES_PER_DISPATCH);
+        context.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tiles));
+        buffers.insert("tiles", buffer);
         Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) }
     }
 
@@ -51,7 +62,13 @@ impl<'a> Harness<'a> {
         let mut buffers = scene_buffers::upload(context, scene, plan)?;
         let warps = buffers["warps_caustic"].clone();
         buffers.insert("warps", warps);
-        Ok(Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) })
+        Ok(Self::with_buffers(context, buffers))
+    }
+
+    /// List the tiles of an image, those that rest least first.
+    pub fn rest(&mut self, rest: &Rest) {
+        let (_, words) = Tiles::new(rest.clone());
+        self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
     }
 
     /// Create (or replace) a storage buffer.
@@ -89,7 +106,9 @@ impl<'a> Harness<'a> {
             per_pass.iter().map(|(name, bytes)| (*name, recorder.ring.push_bytes(bytes))).collect();
         match work {
             Work::Invocations(n) => recorder.dispatch(&step, &at, n),
-            Work::Tiles(size) => recorder.dispatch_tiles(&step, &at, size),
+            Work::Tiles(size) => {
+                recorder.dispatch_tiles(&step, &at, Rest::none(size).exponents().len() as u32)
+            }
             Work::Groups(groups) => recorder.dispatch_groups(&step, &at, groups),
         }
         recorder.submit(self.context, &self.buffers["ring"]);

@@ -48,8 +48,15 @@ struct Binding {
     uniform_size: Option<u64>,
 }
 
-/// Uniforms that differ from dispatch to dispatch, bound with an offset into the ring.
-const DYNAMIC: [&str; 4] = ["pass_info", "map_info", "scan_info", "sort_info"];
+/// Uniforms that differ from dispatch to dispatch, bound with an offset into the ring …
+const IN_RING: [&str; 4] = ["pass_info", "map_info", "scan_info", "sort_info"];
+/// … or into their own buffer.
+const TILES: &str = "tiles";
+
+/// True for what is bound with an offset.
+fn is_dynamic(name: &str) -> bool {
+    IN_RING.contains(&name) || name == TILES
+}
 
 /// Buffers by the names that kernels use.
 pub type Buffers = HashMap<&'static str, wgpu::Buffer>;
@@ -162,7 +169,7 @@ impl Kernel {
         renamed: &[(&str, &'static str)],
     ) -> Result<Step> {
         let buffer_of = |b: &Binding| {
-            let name = if DYNAMIC.contains(&b.name.as_str()) {
+            let name = if IN_RING.contains(&b.name.as_str()) {
                 "ring"
             } else {
                 renamed.iter().find(|(from, _)| *from == b.name).map_or(b.name.as_str(), |(_, to)| to)
@@ -195,9 +202,7 @@ impl Kernel {
                 layout,
                 entries: &entries,
             }));
-            dynamic.push(
-                here().filter(|b| DYNAMIC.contains(&b.name.as_str())).map(|b| b.name.clone()).collect(),
-            );
+            dynamic.push(here().filter(|b| is_dynamic(&b.name)).map(|b| b.name.clone()).collect());
         }
         context.check()?;
         Ok(Step { label: self.label.clone(), pipeline: self.pipeline.clone(), groups, dynamic })
@@ -256,7 +261,7 @@ impl Binding {
                 } else {
                     wgpu::BufferBindingType::Storage { read_only }
                 },
-                has_dynamic_offset: DYNAMIC.contains(&self.name.as_str()),
+                has_dynamic_offset: is_dynamic(&self.name),
                 min_binding_size: None,
             },
             count: None,

@@ -2,6 +2,7 @@
 
 mod area;
 mod context;
+mod films;
 #[doc(hidden)]
 pub mod harness;
 mod kernel;
@@ -13,19 +14,22 @@ mod recorder;
 mod ring;
 mod scene_buffers;
 mod shaders;
+mod tiles;
 
 pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
-use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
-use crate::bands::{BANDS, Bands};
+use crate::backend::{Backend, Batch, Tally};
+use crate::bands::BANDS;
 use crate::error::{Error, Result};
-use crate::film::LAYERS;
+use crate::film::Layer;
 use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
-use crate::plan::{Plan, area_group};
+use crate::plan::{Part, Plan, area_group};
+use crate::rest::Rest;
 use crate::rng::sequence_seed;
+use films::{FILM_BYTES, FILMS};
 use map::{Kind, Shape};
 use pipelines::{Kernels, Steps};
 use precompile::Precompiler;
@@ -33,6 +37,7 @@ use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::ops::Range;
 use std::sync::Arc;
+use tiles::Tiles;
 
 /// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
 const JOTONS_PER_LANE_SOFTWARE: u32 = 64;
@@ -47,9 +52,6 @@ const BATCH_TRIES: u32 = 12;
 /// Dispatches of the trace kernel that are tried before the device is taken for broken.
 const DISPATCHES_MAX: u32 = 1 << 16;
 
-/// Films of the layers, in the order of [`Layer::ALL`].
-const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
-
 /// The GPU backend.
 pub struct GpuBackend {
     context: Context,
@@ -60,6 +62,7 @@ pub struct GpuBackend {
     steps: Option<Steps>,
     shapes: Shapes,
     area: Option<AreaState>,
+    tiles: Tiles,
     ring: Ring,
     timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
@@ -97,7 +100,10 @@ impl GpuBackend {
         }
         let kernels = Kernels::new(&context, &scene, &plan)?;
         let precompiler = Precompiler::start(&context, &kernels);
-        let buffers = scene_buffers::upload(&context, &scene, &plan)?;
+        let mut buffers = scene_buffers::upload(&context, &scene, &plan)?;
+        let (tiles, words) = Tiles::new(Rest::none(scene.size));
+        buffers.insert("tiles", tiles::buffer(&context, tiles.all()));
+        context.queue.write_buffer(&buffers["tiles"], 0, bytemuck::cast_slice(&words));
         let lanes = |emitted: u32| {
             let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
             (emitted > 0).then(|| Shape {
@@ -118,6 +124,7 @@ impl GpuBackend {
             steps: None,
             shapes,
             area: None,
+            tiles,
             ring,
             timer: None,
             staging: None,
@@ -143,7 +150,7 @@ impl GpuBackend {
             ("status", u64::from(status::SLOTS) * 4),
             ("area_starts", area::AREA_STARTS as u64 * 4),
         ]);
-        sizes.extend(FILMS.map(|f| (f, pixels * 16)));
+        sizes.extend(FILMS.map(|f| (f, pixels * FILM_BYTES)));
         map::check_capacity(context, &sizes)?;
         for (name, size) in sizes {
             if self.buffers.get(name).is_none_or(|b| b.size() < size) {
@@ -234,16 +241,16 @@ impl GpuBackend {
         let pass = self.pass_info(pass_index);
         let infos = [Kind::Caustic, Kind::Diffuse].map(|kind| self.map_info(kind, pass_number, pass_index));
         let Some(steps) = &self.steps else { return Ok(()) };
-        let pixels = self.scene.pixels() as u32;
+        let live = self.tiles.live(pass_number);
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
         let pass_info = recorder.ring.push(&pass);
         let at = [("pass_info", pass_info)];
-        recorder.dispatch(&steps.eye, &at, pixels);
+        recorder.dispatch_tiles(&steps.eye, &at, live);
         if let Some([glint, ..]) = &steps.glint {
-            recorder.dispatch(glint, &at, pixels);
+            recorder.dispatch_tiles(glint, &at, live);
         }
         if let Some(direct) = &steps.direct {
-            recorder.dispatch(direct, &at, pixels);
+            recorder.dispatch_tiles(direct, &at, live);
         }
         for (map, gather) in &steps.maps {
             let info = infos[map.kind as usize];
@@ -252,24 +259,15 @@ impl GpuBackend {
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
             if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
-                recorder.dispatch_tiles(boundary, &at, self.scene.size);
+                recorder.dispatch_tiles(boundary, &at, live);
             }
-            recorder.dispatch_tiles(gather, &at, self.scene.size);
+            recorder.dispatch_tiles(gather, &at, live);
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
         if let Some(timer) = &mut self.timer {
             timer.collect(&self.context, &mut self.staging)?;
         }
         Ok(())
-    }
-
-    fn clear_films(&self) {
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for name in FILMS.into_iter().chain(["status", "tallies_caustic", "tallies_diffuse"]) {
-            encoder.clear_buffer(&self.buffers[name], 0, None);
-        }
-        self.context.queue.submit([encoder.finish()]);
     }
 
     /// What the kernels reported of a batch: adapt and say so where it must be rendered again.
@@ -330,42 +328,50 @@ impl Backend for GpuBackend {
         self.plan.blur(pass)
     }
 
+    fn traces(&self, layer: Layer) -> bool {
+        self.plan.traces(layer)
+    }
+
+    fn rest(&mut self, rest: &Rest) -> bool {
+        let (tiles, words) = Tiles::new(rest.clone());
+        self.tiles = tiles;
+        self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
+        !self.plan.settings.keeps(Part::Rest)
+    }
+
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tries = 0;
+        // what lies above and below is at rest
+        let rows = self.tiles.rest().rows(first, u64::from(count));
         let (films, words, tallies) = loop {
             tries += 1;
             if tries > BATCH_TRIES {
                 let what = format!("{}: passes {first} and on do not come out whole", self.context.info.name);
                 return Err(Error::device(what, "use --device cpu and report this as a bug of joton"));
             }
-            self.clear_films();
+            self.clear_films(&rows);
             for pass in first..first + u64::from(count) {
                 self.submit_pass(pass)?;
             }
-            let mut sources: Vec<&wgpu::Buffer> = vec![
-                &self.buffers["status"],
-                &self.buffers["tallies_caustic"],
-                &self.buffers["tallies_diffuse"],
-            ];
-            sources.extend(FILMS.map(|f| &self.buffers[f]));
-            let mut read = self.context.read(&mut self.staging, &sources)?;
+            let mut staging = self.staging.take();
+            let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
+            let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
+            sources.extend(self.film_parts(&rows).into_iter().map(|(_, film, bytes)| (film, bytes)));
+            let mut read = self.context.read_parts(&mut staging, &sources)?;
+            self.staging = staging;
             let words: Vec<u32> = bytemuck::pod_collect_to_vec(&read[0]);
             if !self.must_repeat(&words)? {
                 let films = read.split_off(3);
                 break (films, words, read);
             }
         };
-        let mut batch = Batch { layers: std::array::from_fn(|_| Vec::new()), tally: Tally::default() };
-        for (layer, bytes) in batch.layers.iter_mut().zip(&films) {
-            let pixels: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            *layer = pixels[..self.scene.pixels()]
-                .iter()
-                .map(|p| keep_finite(p, &mut batch.tally.non_finite))
-                .collect();
-        }
-        let t = &mut batch.tally;
+        let mut tally = Tally::default();
+        let layers = self.images(&rows, &films, &mut tally.non_finite);
+        let t = &mut tally;
         t.rays = status::rays(&words);
         t.shadow_rays_saved = status::shadow_rays_saved(&words);
+        t.pixels_rested =
+            (first..first + u64::from(count)).map(|p| self.tiles.rest().pixels_resting(p)).sum();
         t.truncated = u64::from(words[status::TRUNCATED as usize]);
         let emitted = |s: Option<Shape>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
         t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);
@@ -384,7 +390,7 @@ impl Backend for GpuBackend {
                 }
             }
         }
-        Ok(batch)
+        Ok(Batch { layers, tally })
     }
 }
 
@@ -398,16 +404,6 @@ fn check_traversal(words: &[u32]) -> Result<()> {
         return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
     }
     Ok(())
-}
-
-/// A pixel, or black and counted where a band is not finite (tested by bits).
-fn keep_finite(p: &[f32; 4], non_finite: &mut NonFinite) -> Bands {
-    let bands: Bands = std::array::from_fn(|b| p[b]);
-    if bands.iter().all(|x| x.to_bits() & 0x7f80_0000 != 0x7f80_0000) {
-        return bands;
-    }
-    non_finite.count(Cause::ReadBack);
-    [0.0; BANDS]
 }
 
 impl Shapes {

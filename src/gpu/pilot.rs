@@ -87,7 +87,7 @@ impl GpuBackend {
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
             let pixels = self.scene.pixels() as u32;
-            recorder.dispatch(&steps.eye, &at, pixels);
+            recorder.dispatch_tiles(&steps.eye, &at, self.tiles.all());
             recorder.dispatch(count, &at, pixels);
             recorder.dispatch(radius, &at, pixels);
         }
@@ -111,7 +111,7 @@ impl GpuBackend {
         let Some(Steps { glint: Some([_, pilot, mark]), .. }) = &self.steps else { return Ok(()) };
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass))];
-        recorder.dispatch(pilot, &at, self.scene.pixels() as u32);
+        recorder.dispatch_tiles(pilot, &at, self.tiles.all());
         recorder.dispatch(mark, &at, self.scene.pixels() as u32);
         recorder.submit(&self.context, &self.buffers["ring"]);
         self.context.wait()
@@ -151,9 +151,9 @@ impl GpuBackend {
         }
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
-        recorder.dispatch(eye, &at, pixels);
+        recorder.dispatch_tiles(eye, &at, self.tiles.all());
         if let Some(boundary) = boundary {
-            recorder.dispatch_tiles(boundary, &at, self.scene.size);
+            recorder.dispatch_tiles(boundary, &at, self.tiles.all());
         }
         recorder.dispatch(clip, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);

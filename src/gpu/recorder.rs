@@ -3,14 +3,12 @@
 use super::context::Context;
 use super::kernel::{Offsets, Step};
 use super::ring::Ring;
+use super::tiles::{BINDING_BYTES, TILES_PER_DISPATCH};
 use crate::error::Result;
 use std::collections::BTreeMap;
 
 /// Timestamps of one submission, at most: WebGPU's limit of a query set.
 const QUERIES: u32 = 4096;
-
-/// Pixels across and down a workgroup's tile, as in shaders/shared/index.wgsl.
-const TILE: u32 = 8;
 
 /// Seconds and dispatches of each kernel.
 pub(super) type KernelSeconds = BTreeMap<String, (f64, u64)>;
@@ -97,9 +95,13 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// A kernel whose workgroups are tiles of an image of this size.
-    pub(super) fn dispatch_tiles(&mut self, step: &Step, offsets: Offsets<'_>, [width, height]: [u32; 2]) {
-        self.dispatch(step, offsets, width.div_ceil(TILE) * height.div_ceil(TILE) * TILE * TILE);
+    /// A kernel whose workgroups are the first so many tiles of the list.
+    pub(super) fn dispatch_tiles(&mut self, step: &Step, offsets: Offsets<'_>, tiles: u32) {
+        for (part, first) in (0..tiles).step_by(TILES_PER_DISPATCH as usize).enumerate() {
+            let mut offsets = offsets.to_vec();
+            offsets.push(("tiles", part as u32 * BINDING_BYTES));
+            self.dispatch_groups(step, &offsets, [(tiles - first).min(TILES_PER_DISPATCH), 1]);
+        }
     }
 
     /// `x` × `y` workgroups of a kernel.

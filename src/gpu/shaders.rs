@@ -44,6 +44,7 @@ sources![
     "shared/clip.wgsl",
     "shared/grid.wgsl",
     "shared/index.wgsl",
+    "shared/live.wgsl",
     "shared/lanes.wgsl",
     "shared/lanes_alone.wgsl",
     "shared/scene.wgsl",

@@ -52,7 +52,7 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
     let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
     for name in ["eye.wgsl", "direct.wgsl"] {
         let k = kernel(context, name, "main", &[("HAS_PATH_FILTER", 0.0)]);
-        harness.run(&k, &[], &at, Work::Invocations(pixels as u32)).unwrap_or_else(|e| panic!("{e}"));
+        harness.run(&k, &[], &at, Work::Tiles(scene.size)).unwrap_or_else(|e| panic!("{e}"));
     }
     Seen {
         points: harness.read("gather_points").unwrap_or_else(|e| panic!("{e}")),

@@ -8,6 +8,7 @@ mod emit;
 mod emitter;
 mod grid;
 mod intersect;
+mod live;
 mod paths;
 mod rng;
 mod sampling;

@@ -15,10 +15,10 @@ use joton::scene::Scene;
 use joton::stats::{Estimate, test_equal};
 use std::sync::Arc;
 
-const SIZE: u32 = 24;
-const SEEDS: u32 = 8;
+pub const SIZE: u32 = 24;
+pub const SEEDS: u32 = 8;
 /// Edges of the blocks that are compared: what is local, what is small and wide, and the whole.
-const BLOCKS: [u32; 3] = [1, 4, SIZE];
+pub const BLOCKS: [u32; 3] = [1, 4, SIZE];
 
 /// Mean and variance of each block. Few renders know the variance of one block badly, and rare light makes it zero where
 /// none was met by chance: it counts as no less than the mean of the nine around it.
@@ -44,7 +44,14 @@ fn estimate(renders: &[Image], block: u32) -> Estimate {
 }
 
 /// Compare layers; a p-value for each layer and block size.
-fn claim(claims: &mut Claims, name: &str, a: &[Picture], b: &[Picture], layers: &[Layer], blocks: &[u32]) {
+pub fn claim(
+    claims: &mut Claims,
+    name: &str,
+    a: &[Picture],
+    b: &[Picture],
+    layers: &[Layer],
+    blocks: &[u32],
+) {
     for &l in layers {
         for &block in blocks {
             let [x, y] = [a, b].map(|p| estimate(&layer(p, l), block));
@@ -62,7 +69,7 @@ fn pack(scene: &Scene) -> Arc<PackedScene> {
     Arc::new(PackedScene::new(scene))
 }
 
-fn scene(name: &str) -> Arc<PackedScene> {
+pub fn scene(name: &str) -> Arc<PackedScene> {
     pack(&file(name, SIZE))
 }
 

@@ -1,5 +1,5 @@
 //! Statistics: every sampler against its density, every random number against its neighbours, images against images,
-//! random scenes against what must hold of any.
+//! random scenes against what must hold of any; tiles that rest.
 //!
 //! Seeds are fixed, so a run is repeatable. `JOTON_STATISTICS_SEED=n` draws other numbers: over many n a test fails by
 //! chance about once in 10,000. `PROPTEST_CASES=n` renders n random scenes instead of a few.
@@ -23,4 +23,5 @@ mod random_numbers;
 mod random_scenes;
 mod recipe;
 mod renders;
+mod rest;
 mod walls;

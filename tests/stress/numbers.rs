@@ -149,7 +149,7 @@ fn ray_counter(sheet: &mut Sheet) {
     (pass.width, pass.height) = (SIZE, SIZE);
     let eye = kernel(context, "eye.wgsl", "main", &[]);
     let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
-    harness.run(&eye, &[], &at, Work::Invocations(pixels as u32)).unwrap_or_else(|e| panic!("{e}"));
+    harness.run(&eye, &[], &at, Work::Tiles(scene.size)).unwrap_or_else(|e| panic!("{e}"));
     let words: Vec<u32> = harness.read("status").unwrap_or_else(|e| panic!("{e}"));
     let counted = status::rays(&words) - u64::from(BEFORE);
     // the walls are matte: one ray a pixel
