@@ -141,6 +141,9 @@ gpu_struct! {
     }
 }
 
+/// Pixels across and down a workgroup's tile.
+pub const TILE: u32 = 8;
+
 /// Bit of [`GatherPoint::pixel_flags`]: emission in this pixel is the glint kernel's.
 pub const PIXEL_GLINT: u32 = 1;
 
@@ -330,6 +333,7 @@ pub fn constants() -> String {
     u("WARPS_VECTORS", (MAX_WARPS * WARP_WORDS / 4) as u32);
     u("BACK_SIDE", BACK_SIDE);
     u("PIXEL_GLINT", PIXEL_GLINT);
+    u("TILE", TILE);
     u("STATUS_UNFINISHED", status::UNFINISHED);
     u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
     u("STATUS_LOOP_CUT", status::LOOP_CUT);

@@ -21,7 +21,7 @@ const ARROWS: [(&str, &[&str]); 24] = [
     ("halves", &["film"]),
     ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng"]),
     ("cpu", &["backend", "plan", "optics", "layout", "pack", "film", "paths", "rng"]),
-    ("plan", &["optics", "pack", "paths", "film", "rng"]),
+    ("plan", &["optics", "layout", "pack", "paths", "film", "rng"]),
     ("optics", &["layout", "pack"]),
     ("backend", &["film"]),
     // up: structs are declared by layout's macro

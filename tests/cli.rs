@@ -467,6 +467,18 @@ fn plan_can_be_read_by_programs() {
     assert_eq!((number(&plan["shadow_rays"]), number(&plan["warps"])), (2.0, 0.0));
     let skips = plan["skipped"].as_array().expect("a list");
     assert!(skips.iter().any(|s| s["what"] == "caustic map" && s["why"].is_string()), "{plan}");
+    let sum = |list: &str, of: &str| -> f64 {
+        plan[list].as_array().expect("a list").iter().map(|entry| number(&entry[of])).sum()
+    };
+    assert!(number(&plan["bytes"]) > 0.0 && number(&plan["bytes"]) == sum("buffers", "bytes"));
+    let cost = number(&plan["milliseconds"]);
+    assert!(cost > 0.0 && (sum("kernels", "milliseconds") / cost - 1.0).abs() < 1e-9);
+    // it needs no device
+    let ended = folder.run_without_vulkan("plan cornell.toml");
+    assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
+    for part in ["gather (diffuse)", "gather_points", "MiB together"] {
+        assert!(ended.stdout.contains(part), "{part}: {}", ended.stdout);
+    }
     let text = folder.done("plan cornell.toml").stdout;
     assert!(text.contains("caustic map: no surface mirrors"), "{text}");
     assert!(text.contains("direct light: 2 shadow rays"), "{text}");

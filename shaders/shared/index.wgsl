@@ -7,7 +7,6 @@ fn linear_index(id: vec3<u32>, groups: vec3<u32>) -> u32 {
 }
 
 const NO_PIXEL: u32 = 0xffffffffu;
-const TILE: u32 = 8u;
 
 // The pixel of an invocation where a workgroup is a tile of 8 × 8 pixels, in Morton's order: invocations that run in step
 // look at neighbours. NO_PIXEL beyond the image.

@@ -3,12 +3,8 @@
 use super::scene_buffers::encode_area_point;
 use crate::layout::{AreaPoint, CELLS_PER_RADIUS, row_bucket};
 use crate::pack::{PackedScene, scatter_area_points};
+use crate::plan::buffers::{AREA_KEY_BITS, AREA_STARTS, area_points_wanted};
 use glam::Vec3;
-
-/// Area points that fall into a whole disc.
-const POINTS_PER_DISC: f64 = 150.0;
-/// Most area points: memory and set-up time end somewhere; the fit only gets noisier.
-pub(super) const AREA_POINTS_MAX: usize = 1 << 21;
 
 /// Area points in bucket order with the table of their grid.
 pub(super) struct AreaGrid {
@@ -26,28 +22,17 @@ pub(super) struct AreaGrid {
     pub columns: u32,
 }
 
-/// Bits of a bucket's number.
-const KEY_BITS: u32 = 17;
-/// Entries of the bucket table.
-pub(super) const AREA_STARTS: usize = (1 << KEY_BITS) + 2;
-
-/// How many points discs of this radius want.
-pub(super) fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
-    let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
-    ((POINTS_PER_DISC * discs) as usize).clamp(1, AREA_POINTS_MAX)
-}
-
 /// Stream of the scatter's seeds; those of the kernels lie below.
 pub(super) const STREAM_AREA: u32 = 0x100;
 
 /// Scatter and sort points for discs of the largest to the smallest of `radii`: cells follow the one, numbers the other.
 pub(super) fn build(scene: &PackedScene, radii: [f64; 2], seed: u32) -> AreaGrid {
     let [radius, smallest] = radii;
-    let (points, each) = scatter_area_points(scene, points_wanted(scene, smallest), seed);
+    let (points, each) = scatter_area_points(scene, area_points_wanted(scene, smallest), seed);
     let extent = scene.bounds[1] - scene.bounds[0];
     let cells_per_unit = (CELLS_PER_RADIUS / radius as f32).min(30_000.0 / extent.max_element());
     let columns = (extent.x * cells_per_unit) as u32 + 1;
-    let row_mask = (1u32 << ((1u32 << KEY_BITS) - columns).ilog2()) - 1;
+    let row_mask = (1u32 << ((1u32 << AREA_KEY_BITS) - columns).ilog2()) - 1;
     let key = |p: Vec3| {
         // the same arithmetic as shaders/shared/grid.wgsl
         let cell = ((p - scene.bounds[0]) * cells_per_unit).floor().as_ivec3();

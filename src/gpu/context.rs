@@ -1,6 +1,7 @@
 //! Context: the adapters of this machine and an open device.
 
 use crate::error::{Error, Result};
+use crate::plan::shape::Machine;
 use std::sync::{Arc, Mutex};
 
 /// An open device with its queue, and the first error that nobody caught.
@@ -104,6 +105,15 @@ impl Context {
     /// True for a device that runs on the host's processor (lavapipe, SwiftShader).
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// What sizes follow from.
+    pub fn machine(&self) -> Machine {
+        Machine {
+            is_software: self.is_software(),
+            storage_binding: self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size),
+            uniform_binding: self.limits.max_uniform_buffer_binding_size,
+        }
     }
 
     /// True where kernels may use subgroup operations.

@@ -2,14 +2,16 @@
 
 use super::context::Context;
 use super::kernel::{Buffers, Kernel};
-use super::map::{Kind, Map, MapKernels, Shape};
+use super::map::{Map, MapKernels};
 use super::recorder::Recorder;
-use super::ring::{RING_BYTES, Ring};
+use super::ring::Ring;
 use super::scene_buffers;
 use crate::error::Result;
 use crate::layout::MapInfo;
 use crate::pack::PackedScene;
 use crate::plan::Plan;
+use crate::plan::buffers::{Buffer, RING_BYTES, map_buffers};
+use crate::plan::shape::{Kind, Shape};
 use bytemuck::Pod;
 use std::collections::HashMap;
 
@@ -106,10 +108,10 @@ impl<'a> Harness<'a> {
             lane_capacity: info.lane_capacity,
             dispatches: 0,
         };
-        for (name, size) in super::map::buffer_sizes(&[shape], self.context.is_software()) {
+        for Buffer { name, bytes, .. } in map_buffers(&[shape], &self.context.machine()) {
             if !self.buffers.contains_key(name) {
                 // a pattern that is neither zero nor a valid index shows what was never written
-                self.storage(name, &vec![PATTERN; size.div_ceil(4) as usize]);
+                self.storage(name, &vec![PATTERN; bytes.div_ceil(4) as usize]);
             }
         }
         self.storage("status", &[0u32; crate::layout::status::SLOTS as usize]);

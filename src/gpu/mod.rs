@@ -20,33 +20,24 @@ pub use shaders::{SOURCES, Variant, link, link_source};
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
-use crate::film::LAYERS;
-use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
+use crate::layout::{LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
+use crate::plan::buffers::{self, Buffer, FILMS, Needs, area_points_wanted};
+use crate::plan::shape::{Kind, Shape, Shapes, Strips, roomy};
 use crate::plan::{Plan, area_group};
 use crate::rng::sequence_seed;
-use map::{Kind, Shape};
 use pipelines::{Kernels, Steps};
 use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
-const JOTONS_PER_LANE_SOFTWARE: u32 = 64;
-/// On a GPU thousands of lanes run together.
-const JOTONS_PER_LANE: u32 = 4;
-/// Room for lanes that store more than the pilot's fullest one.
-const CAPACITY_SLACK: f64 = 1.5;
 /// Passes of a batch on a GPU, at most: they are summed in f32.
 const BATCH_PASSES: u64 = 16;
 /// Times that a batch is rendered with more room or smaller loops before the device is taken for broken.
 const BATCH_TRIES: u32 = 12;
 /// Dispatches of the trace kernel that are tried before the device is taken for broken.
 const DISPATCHES_MAX: u32 = 1 << 16;
-
-/// Films of the layers, in the order of [`Layer::ALL`].
-const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
 
 /// The GPU backend.
 pub struct GpuBackend {
@@ -57,17 +48,11 @@ pub struct GpuBackend {
     kernels: Kernels,
     steps: Option<Steps>,
     shapes: Shapes,
+    strips: Strips,
     area: Option<AreaState>,
     ring: Ring,
     timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
-}
-
-/// How each map is cut into lanes; none where it is skipped.
-#[derive(Clone, Copy)]
-struct Shapes {
-    caustic: Option<Shape>,
-    diffuse: Option<Shape>,
 }
 
 /// The area points that are on the device.
@@ -95,16 +80,10 @@ impl GpuBackend {
         }
         let kernels = Kernels::new(&context, &scene, &plan)?;
         let buffers = scene_buffers::upload(&context, &scene, &plan)?;
-        let lanes = |emitted: u32| {
-            let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
-            (emitted > 0).then(|| Shape {
-                emitted,
-                lanes: emitted.div_ceil(per_lane),
-                lane_capacity: 1,
-                dispatches: 1,
-            })
-        };
+        let machine = context.machine();
+        let lanes = |emitted: u32| (emitted > 0).then(|| Shape::new(emitted, &machine));
         let shapes = Shapes { caustic: lanes(plan.caustic_jotons), diffuse: lanes(plan.diffuse_jotons) };
+        let strips = Strips::whole(scene.size);
         let ring = Ring::new(&context);
         let mut backend = Self {
             context,
@@ -114,6 +93,7 @@ impl GpuBackend {
             kernels,
             steps: None,
             shapes,
+            strips,
             area: None,
             ring,
             timer: None,
@@ -123,35 +103,47 @@ impl GpuBackend {
         Ok(backend)
     }
 
+    /// Name and bytes of every buffer that is on the device, but for those of timers.
+    pub fn memory(&self) -> Vec<(&'static str, u64)> {
+        let own = |(name, buffer): &(&&'static str, &wgpu::Buffer)| {
+            // without a guide both maps have one list of lights
+            **name != "emitters_caustic" || **buffer != self.buffers["emitters"]
+        };
+        let mut all: Vec<_> =
+            self.buffers.iter().filter(own).map(|(name, buffer)| (*name, buffer.size())).collect();
+        all.extend(self.staging.as_ref().map(|b| ("staging", b.size())));
+        all.sort_unstable();
+        all
+    }
+
     /// (Re)create the buffers that depend on the shapes, and bind every step.
     fn bind(&mut self) -> Result<()> {
+        let wanted = self.needs().pass_buffers();
         let context = &self.context;
-        let pixels = self.scene.pixels() as u64;
-        let shapes: Vec<Shape> = [self.shapes.caustic, self.shapes.diffuse].into_iter().flatten().collect();
-        let mut sizes = map::buffer_sizes(&shapes, context.is_software());
-        sizes.extend([
-            ("gather_points", pixels * size_of::<GatherPoint>() as u64),
-            ("fits", pixels * size_of::<Fit>() as u64),
-            ("radii", pixels * size_of::<Fit>() as u64),
-            ("counts", pixels * 4),
-            ("edges", pixels * 4),
-            ("clips", pixels * size_of::<Clip>() as u64),
-            ("status", u64::from(status::SLOTS) * 4),
-            ("area_starts", area::AREA_STARTS as u64 * 4),
-        ]);
-        sizes.extend(FILMS.map(|f| (f, pixels * 16)));
-        map::check_capacity(context, &sizes)?;
-        for (name, size) in sizes {
-            if self.buffers.get(name).is_none_or(|b| b.size() < size) {
-                self.buffers.insert(name, scene_buffers::storage(context, name, size));
+        scene_buffers::check_capacity(context, &wanted)?;
+        for Buffer { name, bytes, .. } in wanted {
+            if self.buffers.get(name).is_none_or(|b| b.size() != bytes) {
+                self.buffers.insert(name, scene_buffers::storage(context, name, bytes));
             }
         }
         if !self.buffers.contains_key("area_points") {
-            self.buffers.insert("area_points", scene_buffers::storage(context, "area_points", 16));
+            let size = buffers::area_points(0).bytes;
+            self.buffers.insert("area_points", scene_buffers::storage(context, "area_points", size));
         }
         context.check()?;
         self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, &self.buffers)?);
         Ok(())
+    }
+
+    /// What the sizes of the buffers follow from.
+    pub fn needs(&self) -> Needs<'_> {
+        Needs {
+            scene: &self.scene,
+            plan: &self.plan,
+            machine: self.context.machine(),
+            shapes: self.shapes,
+            strips: self.strips,
+        }
     }
 
     fn pass_info(&self, pass: u32) -> PassInfo {
@@ -200,7 +192,7 @@ impl GpuBackend {
         let grid = area::build(&self.scene, radii, seed);
         let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
         if self.buffers["area_points"].size() < bytes.len() as u64 {
-            let size = (bytes.len() as u64 * 2).min(area::AREA_POINTS_MAX as u64 * 16 + 16);
+            let size = buffers::area_points(area_points_wanted(&self.scene, radii[1])).bytes;
             self.buffers.insert("area_points", scene_buffers::storage(&self.context, "area_points", size));
             self.bind()?;
         }
@@ -278,7 +270,7 @@ impl GpuBackend {
                     shape.dispatches = (shape.dispatches * 2).min(DISPATCHES_MAX);
                 }
                 if stored > shape.lane_capacity {
-                    shape.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32;
+                    shape.lane_capacity = roomy(stored);
                 }
                 if cut {
                     // the driver ended a loop early: fewer jotons a pass make shorter loops
@@ -397,20 +389,4 @@ fn keep_finite(p: &[f32; 4], non_finite: &mut NonFinite) -> Bands {
     }
     non_finite.count(Cause::ReadBack);
     [0.0; BANDS]
-}
-
-impl Shapes {
-    fn of(&self, kind: Kind) -> Option<Shape> {
-        match kind {
-            Kind::Caustic => self.caustic,
-            Kind::Diffuse => self.diffuse,
-        }
-    }
-
-    fn of_mut(&mut self, kind: Kind) -> &mut Option<Shape> {
-        match kind {
-            Kind::Caustic => &mut self.caustic,
-            Kind::Diffuse => &mut self.diffuse,
-        }
-    }
 }

@@ -1,11 +1,11 @@
 //! The pilot: what is found out on the device before the first pass, with random numbers of no pass that is rendered.
 
-use super::map::Kind;
 use super::pipelines::Steps;
 use super::recorder::Recorder;
-use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend, check_traversal};
+use super::{DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
 use crate::layout::{EDGE_OTHERS, MapInfo, PILOT_PASS, PassInfo, status};
+use crate::plan::shape::{Kind, dispatches_kept, roomy};
 
 /// Lanes that are tried before the first pass.
 const PROBE_LANES: u32 = 512;
@@ -52,16 +52,15 @@ impl GpuBackend {
                         ));
                     }
                 } else if stored > shape.lane_capacity {
-                    wanted.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32 + 4;
+                    wanted.lane_capacity = roomy(stored);
                     settled = false;
                 }
                 *self.shapes.of_mut(kind) = Some(wanted);
             }
             if settled {
-                // one dispatch more than the pilot needed: other passes take a little longer
                 for kind in [Kind::Caustic, Kind::Diffuse] {
                     if let (Some(shape), Some(whole)) = (self.shapes.of_mut(kind), whole.of(kind)) {
-                        shape.dispatches += 1 + shape.dispatches / 2;
+                        shape.dispatches = dispatches_kept(shape.dispatches);
                         (shape.lanes, shape.emitted) = (whole.lanes, whole.emitted);
                     }
                 }

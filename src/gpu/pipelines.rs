@@ -1,14 +1,14 @@
 //! Pipelines: the kernels that a plan needs, compiled, and bound to their buffers.
 
-use super::Shapes;
 use super::context::Context;
 use super::kernel::{Buffers, Kernel, SMALL_SCENE, Step};
-use super::map::{Kind, Map, MapKernels};
+use super::map::{Map, MapKernels};
 use super::scene_buffers;
 use crate::error::Result;
 use crate::film::Layer;
 use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
 use crate::pack::PackedScene;
+use crate::plan::shape::{Kind, Shapes};
 use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
 
 /// The compiled kernels.

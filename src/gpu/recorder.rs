@@ -4,13 +4,11 @@ use super::context::Context;
 use super::kernel::{Offsets, Step};
 use super::ring::Ring;
 use crate::error::Result;
+use crate::layout::TILE;
 use std::collections::BTreeMap;
 
 /// Timestamps of one submission, at most: WebGPU's limit of a query set.
 const QUERIES: u32 = 4096;
-
-/// Pixels across and down a workgroup's tile, as in shaders/shared/index.wgsl.
-const TILE: u32 = 8;
 
 /// Seconds and dispatches of each kernel.
 pub(super) type KernelSeconds = BTreeMap<String, (f64, u64)>;

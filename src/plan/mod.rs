@@ -1,9 +1,13 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
+pub mod buffers;
+pub mod kernels;
 mod learn;
 mod pilot;
 mod radius;
 mod seen;
+pub mod shape;
+pub mod traffic;
 
 pub use pilot::Pilot;
 pub use radius::{Schedule, area_group, shrink};

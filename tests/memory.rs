@@ -1,0 +1,98 @@
+//! Memory: what the plan tells of buffers and kernels is what a device really has and does.
+
+mod common;
+
+use joton::backend::Backend;
+use joton::gpu::{Context, GpuBackend};
+use joton::pack::PackedScene;
+use joton::plan::buffers::Needs;
+use joton::plan::shape::Machine;
+use joton::plan::traffic::Traffic;
+use joton::plan::{Plan, Settings};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// One of the scenes of the repository at this size.
+fn file(name: &str, size: [u32; 2]) -> Arc<PackedScene> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    let mut scene = joton::scene::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    scene.resize(size);
+    Arc::new(PackedScene::new(&scene))
+}
+
+fn open(scene: &Arc<PackedScene>, settings: Settings) -> GpuBackend {
+    let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::new(scene, settings);
+    GpuBackend::new(context, Arc::clone(scene), plan).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The buffers that the plan lists for the shapes in use are those that were created, byte for byte; the kernels that it
+/// lists are those that ran, as often. Scenes with and without a caustic map, in uniform buffers and not.
+#[test]
+fn what_the_plan_tells_is_what_the_device_does() {
+    device_or_return!();
+    for name in ["cornell.toml", "spheres.toml", "pool.toml"] {
+        let scene = file(name, [40, 24]);
+        let mut backend = open(&scene, Settings::default());
+        backend.measure_kernels();
+        backend.render(0, 1).unwrap_or_else(|e| panic!("{e}"));
+
+        let needs = backend.needs();
+        let mut told: Vec<_> = needs.buffers().iter().map(|b| (b.name, b.bytes)).collect();
+        told.sort_unstable();
+        assert_eq!(told, backend.memory(), "{name}");
+
+        let traffic = Traffic::look(&scene, needs.plan);
+        let mut told: BTreeMap<String, u64> = BTreeMap::new();
+        for kernel in needs.kernels(&traffic) {
+            *told.entry(kernel.name.into()).or_default() += kernel.dispatches;
+        }
+        let ran: BTreeMap<String, u64> =
+            backend.kernel_seconds().into_iter().map(|(n, _, d)| (n, d)).collect();
+        assert!(!ran.is_empty(), "the device has timestamps");
+        assert_eq!(told, ran, "{name}");
+    }
+}
+
+/// What is expected before a device has looked comes near to what it then needs, and traces: bytes of jotons within a
+/// factor of two, rays and jotons within a tenth (their means of 4096 paths have a standard error of 2 %).
+#[test]
+fn expectations_come_near() {
+    device_or_return!();
+    for name in ["cornell.toml", "spheres.toml", "ring.toml"] {
+        let scene = file(name, [64, 64]);
+        let mut backend = open(&scene, Settings::default());
+        let tally = backend.render(0, 1).unwrap_or_else(|e| panic!("{e}")).tally;
+        let needs = backend.needs();
+        let traffic = Traffic::look(&scene, needs.plan);
+        let expected = Needs::expected(&scene, needs.plan, backend.needs().machine, &traffic);
+        for (expected, found) in expected.shapes.each().zip(needs.shapes.each()) {
+            let ratio = expected.max_stored() as f64 / found.max_stored() as f64;
+            assert!((0.5..2.0).contains(&ratio), "{name}: room for {ratio} of the jotons");
+        }
+        let stored = f64::from(needs.plan.caustic_jotons) * traffic.caustic.stored
+            + f64::from(needs.plan.diffuse_jotons) * traffic.diffuse.stored;
+        let ratio = stored / tally.jotons_stored as f64;
+        assert!((0.9..1.1).contains(&ratio), "{name}: {ratio} of the jotons are expected");
+    }
+}
+
+/// Without any device: every number is there, the total is the sum, and costs follow the work.
+#[test]
+fn costs_follow_the_work() {
+    let of = |size: [u32; 2]| -> (f64, u64) {
+        let scene = file("spheres.toml", size);
+        let plan = Plan::new(&scene, Settings::default());
+        let traffic = Traffic::look(&scene, &plan);
+        let needs = Needs::expected(&scene, &plan, Machine::REFERENCE, &traffic);
+        let kernels = needs.kernels(&traffic);
+        assert!(kernels.iter().all(|k| k.milliseconds > 0.0 && k.dispatches > 0 && k.invocations > 0));
+        let bytes = needs.buffers().iter().map(|b| b.bytes).sum();
+        (kernels.iter().map(|k| k.milliseconds).sum(), bytes)
+    };
+    let (small, large) = (of([128, 128]), of([512, 512]));
+    // sixteen times the pixels; jotons grow less, and a disc holds as many
+    assert!((4.0..16.0).contains(&(large.0 / small.0)), "{small:?} {large:?}");
+    assert!((4.0..16.0).contains(&(large.1 as f64 / small.1 as f64)), "{small:?} {large:?}");
+}
