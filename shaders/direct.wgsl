@@ -3,7 +3,7 @@
 // each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas 1995).
 // reads  scene, gather_points, path_filter      writes  film_direct, status
 // import: shared/features.wgsl
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
 // import: shared/intersect.wgsl
@@ -99,11 +99,11 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let pixel = strip_pixel(linear_index(id, groups));
+    if pixel == NO_PIXEL {
         return;
     }
-    let point = gather_points[pixel];
+    let point = gather_points[held(pixel)];
     let chain = (point.surface >> 24u) & 63u;
     if max_band(point.throughput) <= 0.0
         || (HAS_PATH_FILTER && !path_wanted(path_step(PATH_START, EVENT_D), chain)) {
@@ -144,5 +144,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    film_direct[pixel] += vec4(point.throughput * sum / f32(pass_info.shadow_rays), 0.0);
+    film_direct[held(pixel)] += vec4(point.throughput * sum / f32(pass_info.shadow_rays), 0.0);
 }

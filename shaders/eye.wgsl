@@ -2,7 +2,7 @@
 // Emission that is met on the way goes to the film (E S* L), but where the glint kernel sees to it.
 // reads  scene, path_filter      writes  gather_points, film_emission, status
 // import: shared/features.wgsl
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
 // import: shared/surface.wgsl
@@ -21,13 +21,13 @@ const CHAIN_MAX: u32 = 63u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let pixel = strip_pixel(linear_index(id, groups));
+    if pixel == NO_PIXEL {
         return;
     }
     let jitter = sobol2(pass_info.pass_index, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
     let choices = sobol2(pass_info.pass_index, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
-    let flags = gather_points[pixel].pixel_flags;
+    let flags = gather_points[held(pixel)].pixel_flags;
     var origin = pass_info.eye;
     var direction = camera_direction(pixel, jitter);
     var throughput = Bands(1.0);
@@ -105,8 +105,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    gather_points[pixel] = point;
+    gather_points[held(pixel)] = point;
     if (flags & PIXEL_GLINT) == 0u {
-        film_emission[pixel] += vec4(emission, 0.0);
+        film_emission[held(pixel)] += vec4(emission, 0.0);
     }
 }

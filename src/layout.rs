@@ -73,6 +73,23 @@ gpu_struct! {
         pub emitters: u32,
         /// Number of targets of aimed emission.
         pub targets: u32,
+        /// First row that is rendered.
+        pub first_row: u32,
+        /// Rows that are rendered.
+        pub rows: u32,
+        /// First row that the buffers hold.
+        pub held_first: u32,
+        /// Rows that the buffers hold.
+        pub held_rows: u32,
+    }
+}
+
+impl PassInfo {
+    /// All of an image of this size, in one strip.
+    pub fn set_image(&mut self, [width, height]: [u32; 2]) {
+        (self.width, self.height) = (width, height);
+        (self.first_row, self.rows) = (0, height);
+        (self.held_first, self.held_rows) = (0, height);
     }
 }
 

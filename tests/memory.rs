@@ -2,11 +2,11 @@
 
 mod common;
 
-use joton::backend::Backend;
+use joton::backend::{Backend, Batch};
 use joton::gpu::{Context, GpuBackend};
 use joton::pack::PackedScene;
-use joton::plan::buffers::Needs;
-use joton::plan::shape::Machine;
+use joton::plan::buffers::{Buffer, Needs};
+use joton::plan::shape::{Machine, Strips};
 use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
 use std::collections::BTreeMap;
@@ -95,4 +95,42 @@ fn costs_follow_the_work() {
     // sixteen times the pixels; jotons grow less, and a disc holds as many
     assert!((4.0..16.0).contains(&(large.0 / small.0)), "{small:?} {large:?}");
     assert!((4.0..16.0).contains(&(large.1 as f64 / small.1 as f64)), "{small:?} {large:?}");
+}
+
+/// Bytes that a render needs in so many strips, where area points take up all that they may.
+fn memory_for(backend: &GpuBackend, count: u32) -> u64 {
+    let needs = Needs { strips: Strips::cut(backend.needs().scene.size, count), ..backend.needs() };
+    assert_eq!(needs.strips.count(), count);
+    let without = |b: &&Buffer| b.name != "area_points";
+    let bytes: u64 = needs.buffers().iter().filter(without).map(|b| b.bytes).sum();
+    // area points get an eighth, and buffers come in 16 bytes
+    bytes * 8 / 7 + 64
+}
+
+/// Strips leave no trace: one and three give the same image and the same counts, bit for bit, and three need less memory,
+/// no more than they were allowed. Batches of several passes, with caustics, glints, walls and neighbours across seams.
+#[test]
+fn strips_leave_no_trace() {
+    device_or_return!();
+    // two maps are both kept where there are strips: only larger images win memory by these
+    for (name, size) in [("cornell.toml", [36, 44]), ("spheres.toml", [160, 120]), ("pool.toml", [160, 120])]
+    {
+        let scene = file(name, size);
+        let mut whole = open(&scene, Settings::default());
+        let allowed = memory_for(&whole, 3);
+        let mut cut = open(&scene, Settings { memory: Some(allowed), ..Settings::default() });
+        assert_eq!((whole.needs().strips.count(), cut.needs().strips.count()), (1, 3), "{name}");
+        for (first, count) in [(0, 1), (1, 3)] {
+            let [a, b] =
+                [&mut whole, &mut cut].map(|b| b.render(first, count).unwrap_or_else(|e| panic!("{e}")));
+            assert!(bits(&a) == bits(&b), "{name}: strips are seen in passes from {first} on");
+            assert_eq!(a.tally, b.tally, "{name}");
+        }
+        let total = |b: &GpuBackend| b.memory().iter().map(|(_, bytes)| bytes).sum::<u64>();
+        assert!(total(&cut) <= allowed && total(&cut) < total(&whole), "{name}: {}", total(&cut));
+    }
+}
+
+fn bits(b: &Batch) -> Vec<u32> {
+    b.layers.iter().flatten().flatten().map(|x| x.to_bits()).collect()
 }

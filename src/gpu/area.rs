@@ -3,7 +3,7 @@
 use super::scene_buffers::encode_area_point;
 use crate::layout::{AreaPoint, CELLS_PER_RADIUS, row_bucket};
 use crate::pack::{PackedScene, scatter_area_points};
-use crate::plan::buffers::{AREA_KEY_BITS, AREA_STARTS, area_points_wanted};
+use crate::plan::buffers::{AREA_KEY_BITS, AREA_STARTS};
 use glam::Vec3;
 
 /// Area points in bucket order with the table of their grid.
@@ -25,10 +25,9 @@ pub(super) struct AreaGrid {
 /// Stream of the scatter's seeds; those of the kernels lie below.
 pub(super) const STREAM_AREA: u32 = 0x100;
 
-/// Scatter and sort points for discs of the largest to the smallest of `radii`: cells follow the one, numbers the other.
-pub(super) fn build(scene: &PackedScene, radii: [f64; 2], seed: u32) -> AreaGrid {
-    let [radius, smallest] = radii;
-    let (points, each) = scatter_area_points(scene, area_points_wanted(scene, smallest), seed);
+/// Scatter and sort about `count` points for discs of at most this radius.
+pub(super) fn build(scene: &PackedScene, radius: f64, count: usize, seed: u32) -> AreaGrid {
+    let (points, each) = scatter_area_points(scene, count, seed);
     let extent = scene.bounds[1] - scene.bounds[0];
     let cells_per_unit = (CELLS_PER_RADIUS / radius as f32).min(30_000.0 / extent.max_element());
     let columns = (extent.x * cells_per_unit) as u32 + 1;

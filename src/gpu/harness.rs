@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::layout::MapInfo;
 use crate::pack::PackedScene;
 use crate::plan::Plan;
-use crate::plan::buffers::{Buffer, RING_BYTES, map_buffers};
+use crate::plan::buffers::{Buffer, RING_BYTES, area_points_most, area_points_wanted, map_buffers};
 use crate::plan::shape::{Kind, Shape};
 use bytemuck::Pod;
 use std::collections::HashMap;
@@ -123,7 +123,8 @@ impl<'a> Harness<'a> {
             &[],
         )?;
         let kernels = MapKernels::new(self.context)?;
-        let map = Map::new(self.context, Kind::Diffuse, shape, &nothing, &kernels, &self.buffers)?;
+        let names = [("sorted_jotons", "sorted_jotons"), ("bucket_starts", "bucket_starts")];
+        let map = Map::new(self.context, Kind::Diffuse, shape, &nothing, &kernels, &names, &self.buffers)?;
         let mut recorder = Recorder::new(self.context, &mut self.ring, None);
         map.record(&mut recorder, 0, info);
         recorder.submit(self.context, &self.buffers["ring"]);
@@ -153,7 +154,8 @@ impl Harness<'_> {
     /// Scatter area points on a scene's diffuse surfaces for discs of this radius; fills the buffers area_points and
     /// area_starts and says in `info` how they are cut.
     pub fn area_points(&mut self, scene: &PackedScene, radius: f64, seed: u32, info: &mut MapInfo) {
-        let grid = super::area::build(scene, [radius; 2], seed);
+        let count = area_points_wanted(scene, radius, area_points_most(None));
+        let grid = super::area::build(scene, radius, count, seed);
         self.storage("area_points", &grid.points);
         self.storage("area_starts", &grid.starts);
         info.area_each = grid.each;

@@ -94,7 +94,7 @@ struct Digit {
 }
 
 impl Map {
-    /// Bind a map's steps to the buffers.
+    /// Bind a map's steps to the buffers; `sorted_names` are those of the sorted jotons and of their buckets.
     ///
     /// # Errors
     /// [`Error::Device`] where a buffer is missing.
@@ -104,6 +104,7 @@ impl Map {
         shape: Shape,
         trace: &Kernel,
         kernels: &MapKernels,
+        sorted_names: &[(&str, &'static str); 2],
         buffers: &Buffers,
     ) -> Result<Self> {
         let (tallies, emitters) = match kind {
@@ -140,8 +141,8 @@ impl Map {
             lane_scan: scan("lane_starts")?,
             keys: kernels.keys.bind(context, buffers, &[("keys", "keys_a"), ("places", "places_a")])?,
             digits,
-            starts: kernels.starts.bind(context, buffers, &[("keys", sorted[0])])?,
-            reorder: kernels.reorder.bind(context, buffers, &[("places", sorted[1])])?,
+            starts: kernels.starts.bind(context, buffers, &[sorted_names[1], ("keys", sorted[0])])?,
+            reorder: kernels.reorder.bind(context, buffers, &[sorted_names[0], ("places", sorted[1])])?,
         })
     }
 

@@ -12,6 +12,7 @@ mod recorder;
 mod ring;
 mod scene_buffers;
 mod shaders;
+mod strips;
 
 pub use context::{Context, adapters};
 pub use kernel::{Buffers, Kernel, Step};
@@ -20,10 +21,10 @@ pub use shaders::{SOURCES, Variant, link, link_source};
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
-use crate::layout::{LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
+use crate::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
 use crate::pack::PackedScene;
-use crate::plan::buffers::{self, Buffer, FILMS, Needs, area_points_wanted};
-use crate::plan::shape::{Kind, Shape, Shapes, Strips, roomy};
+use crate::plan::buffers::{self, Buffer, FILMS, Needs, area_points_most, area_points_wanted};
+use crate::plan::shape::{Kind, Shape, Shapes, Strip, Strips, roomy};
 use crate::plan::{Plan, area_group};
 use crate::rng::sequence_seed;
 use pipelines::{Kernels, Steps};
@@ -31,6 +32,7 @@ use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::ops::Range;
 use std::sync::Arc;
+use strips::Kept;
 
 /// Passes of a batch on a GPU, at most: they are summed in f32.
 const BATCH_PASSES: u64 = 16;
@@ -49,6 +51,7 @@ pub struct GpuBackend {
     steps: Option<Steps>,
     shapes: Shapes,
     strips: Strips,
+    kept: Vec<Kept>,
     area: Option<AreaState>,
     ring: Ring,
     timer: Option<Timer>,
@@ -83,7 +86,8 @@ impl GpuBackend {
         let machine = context.machine();
         let lanes = |emitted: u32| (emitted > 0).then(|| Shape::new(emitted, &machine));
         let shapes = Shapes { caustic: lanes(plan.caustic_jotons), diffuse: lanes(plan.diffuse_jotons) };
-        let strips = Strips::whole(scene.size);
+        // the pilot decides; its search for the lanes' shape needs no pixels
+        let strips = Strips::whole([scene.size[0], scene.size[1].min(TILE)]);
         let ring = Ring::new(&context);
         let mut backend = Self {
             context,
@@ -94,6 +98,7 @@ impl GpuBackend {
             steps: None,
             shapes,
             strips,
+            kept: Vec::new(),
             area: None,
             ring,
             timer: None,
@@ -127,11 +132,12 @@ impl GpuBackend {
             }
         }
         if !self.buffers.contains_key("area_points") {
-            let size = buffers::area_points(0).bytes;
+            let size = buffers::area_points(0, 1).bytes;
             self.buffers.insert("area_points", scene_buffers::storage(context, "area_points", size));
         }
         context.check()?;
-        self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, &self.buffers)?);
+        let apart = self.needs().maps_apart();
+        self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, apart, &self.buffers)?);
         Ok(())
     }
 
@@ -146,7 +152,8 @@ impl GpuBackend {
         }
     }
 
-    fn pass_info(&self, pass: u32) -> PassInfo {
+    /// The uniform of a pass over a strip.
+    fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
         let c = &self.scene.camera;
         PassInfo {
             eye: c.eye,
@@ -161,6 +168,10 @@ impl GpuBackend {
             shadow_rays: self.plan.settings.shadow_rays,
             emitters: self.scene.emitters.len() as u32,
             targets: self.scene.targets.len() as u32,
+            first_row: strip.first,
+            rows: strip.rows,
+            held_first: strip.held_first,
+            held_rows: strip.held_rows,
         }
     }
 
@@ -186,13 +197,15 @@ impl GpuBackend {
         if self.area.as_ref().is_some_and(|a| a.group == group) {
             return Ok(());
         }
-        let radius = |pass| self.plan.diffuse.radius(pass);
-        let radii = [radius(group.start), radius(group.end - 1)];
+        // cells are as wide as the largest disc of the group, points as dense as its smallest wants them
+        let [largest, smallest] = [group.start, group.end - 1].map(|pass| self.plan.diffuse.radius(pass));
+        let most = area_points_most(self.plan.settings.memory);
+        let count = area_points_wanted(&self.scene, smallest, most);
         let seed = sequence_seed(self.plan.settings.seed, group.start as u32, area::STREAM_AREA);
-        let grid = area::build(&self.scene, radii, seed);
+        let grid = area::build(&self.scene, largest, count, seed);
         let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
         if self.buffers["area_points"].size() < bytes.len() as u64 {
-            let size = buffers::area_points(area_points_wanted(&self.scene, radii[1])).bytes;
+            let size = buffers::area_points(count, most).bytes;
             self.buffers.insert("area_points", scene_buffers::storage(&self.context, "area_points", size));
             self.bind()?;
         }
@@ -208,51 +221,60 @@ impl GpuBackend {
         Ok(())
     }
 
+    /// Uniforms of both maps in a pass.
+    fn map_infos(&self, pass: u64) -> [MapInfo; 2] {
+        Kind::ALL.map(|kind| self.map_info(kind, pass, pass as u32))
+    }
+
+    /// Pixels of a strip.
+    fn pixels_of(&self, strip: Strip) -> u32 {
+        strip.rows * self.scene.size[0]
+    }
+
     /// Record and submit one pass.
-    fn submit_pass(&mut self, pass_number: u64) -> Result<()> {
+    fn submit_pass(&mut self, pass: u64) -> Result<()> {
         if self.shapes.diffuse.is_some() {
-            self.renew_area_points(pass_number)?;
+            self.renew_area_points(pass)?;
         }
-        let pass_index = pass_number as u32;
-        let pass = self.pass_info(pass_index);
-        let infos = [Kind::Caustic, Kind::Diffuse].map(|kind| self.map_info(kind, pass_number, pass_index));
+        if self.strips.count() > 1 {
+            return self.submit_pass_in_strips(pass);
+        }
+        let infos = self.map_infos(pass);
+        let strip = self.strips.strip(0);
+        let pass_info = self.pass_info(pass as u32, strip);
         let Some(steps) = &self.steps else { return Ok(()) };
-        let pixels = self.scene.pixels() as u32;
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
-        let pass_info = recorder.ring.push(&pass);
-        let at = [("pass_info", pass_info)];
-        recorder.dispatch(&steps.eye, &at, pixels);
-        if let Some([glint, ..]) = &steps.glint {
-            recorder.dispatch(glint, &at, pixels);
-        }
-        if let Some(direct) = &steps.direct {
-            recorder.dispatch(direct, &at, pixels);
-        }
+        let pass_info = recorder.ring.push(&pass_info);
+        let pixels = strip.rows * self.scene.size[0];
+        steps.record_camera(&mut recorder, pass_info, pixels);
         for (map, gather) in &steps.maps {
             let info = infos[map.kind as usize];
             recorder.clear(&self.buffers["lanes"]);
             map.record(&mut recorder, pass_info, &info);
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
-            if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
-                recorder.dispatch_tiles(boundary, &at, self.scene.size);
-            }
-            recorder.dispatch_tiles(gather, &at, self.scene.size);
+            steps.record_gather(&mut recorder, map.kind, gather, &at, self.scene.size);
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
+        self.collect_times()
+    }
+
+    /// Add up what the kernels of the last submission took.
+    fn collect_times(&mut self) -> Result<()> {
         if let Some(timer) = &mut self.timer {
             timer.collect(&self.context, &mut self.staging)?;
         }
         Ok(())
     }
 
-    fn clear_films(&self) {
+    fn clear_films(&mut self) {
         let mut encoder =
             self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for name in FILMS.into_iter().chain(["status", "tallies_caustic", "tallies_diffuse"]) {
             encoder.clear_buffer(&self.buffers[name], 0, None);
         }
         self.context.queue.submit([encoder.finish()]);
+        self.kept.iter_mut().for_each(|strip| strip.films.clear());
     }
 
     /// What the kernels reported of a batch: adapt and say so where it must be rendered again.
@@ -277,6 +299,15 @@ impl GpuBackend {
                     shape.emitted = (shape.emitted / 2).max(1);
                     shape.lanes = shape.lanes.min(shape.emitted);
                 }
+            }
+        }
+        // where that is too much, the map has fewer jotons
+        while let Err(e) = self.needs().fits() {
+            let largest =
+                Kind::ALL.into_iter().max_by_key(|k| self.shapes.of(*k).map_or(0, |s| s.max_stored()));
+            match largest.and_then(|kind| self.shapes.of_mut(kind).as_mut()) {
+                Some(shape) if shape.emitted > 1 => *shape = shape.halved(),
+                _ => return Err(e),
             }
         }
         self.bind()?;
@@ -330,11 +361,16 @@ impl Backend for GpuBackend {
                 &self.buffers["tallies_caustic"],
                 &self.buffers["tallies_diffuse"],
             ];
-            sources.extend(FILMS.map(|f| &self.buffers[f]));
+            if self.strips.count() == 1 {
+                sources.extend(FILMS.map(|f| &self.buffers[f]));
+            }
             let mut read = self.context.read(&mut self.staging, &sources)?;
             let words: Vec<u32> = bytemuck::pod_collect_to_vec(&read[0]);
             if !self.must_repeat(&words)? {
-                let films = read.split_off(3);
+                let mut films = read.split_off(3);
+                if self.strips.count() > 1 {
+                    films = self.films_of_strips();
+                }
                 break (films, words, read);
             }
         };

@@ -1,8 +1,9 @@
 //! Pipelines: the kernels that a plan needs, compiled, and bound to their buffers.
 
 use super::context::Context;
-use super::kernel::{Buffers, Kernel, SMALL_SCENE, Step};
+use super::kernel::{Buffers, Kernel, Offsets, SMALL_SCENE, Step};
 use super::map::{Map, MapKernels};
+use super::recorder::Recorder;
 use super::scene_buffers;
 use crate::error::Result;
 use crate::film::Layer;
@@ -89,6 +90,11 @@ impl Kernels {
     }
 }
 
+/// Names of a sorted map in the kernels, and of the buffers.
+const SORTED: [(&str, &str); 2] = [("sorted_jotons", "sorted_jotons"), ("bucket_starts", "bucket_starts")];
+const SORTED_APART: [(&str, &str); 2] =
+    [("sorted_jotons", "sorted_jotons_caustic"), ("bucket_starts", "bucket_starts_caustic")];
+
 /// The kernels with their buffers.
 pub(super) struct Steps {
     pub(super) eye: Step,
@@ -102,7 +108,7 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// Bind every kernel of a pass and of the pilot.
+    /// Bind every kernel of a pass and of the pilot; `apart` where both sorted maps are kept.
     ///
     /// # Errors
     /// [`crate::Error::Device`] where a buffer is missing.
@@ -110,8 +116,11 @@ impl Steps {
         context: &Context,
         kernels: &Kernels,
         shapes: &Shapes,
+        apart: bool,
         buffers: &Buffers,
     ) -> Result<Self> {
+        // where both maps are kept, the caustic one has a place of its own
+        let sorted = |kind| if apart && kind == Kind::Caustic { SORTED_APART } else { SORTED };
         let mut maps = Vec::new();
         for (kind, film, fits) in
             [(Kind::Caustic, "film_caustic", "radii"), (Kind::Diffuse, "film_diffuse", "fits")]
@@ -120,8 +129,10 @@ impl Steps {
             if let (Some(shape), Some(trace), Some(gather), Some(map)) =
                 (shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
             {
-                let gather = gather.bind(context, buffers, &[("film", film), ("fits", fits)])?;
-                maps.push((Map::new(context, kind, shape, trace, map, buffers)?, gather));
+                let sorted = sorted(kind);
+                let names = [&sorted[..], &[("film", film), ("fits", fits)]].concat();
+                let gather = gather.bind(context, buffers, &names)?;
+                maps.push((Map::new(context, kind, shape, trace, map, &sorted, buffers)?, gather));
             }
         }
         let optional = |k: &Option<Kernel>, names: &[(&str, &'static str)]| {
@@ -129,7 +140,7 @@ impl Steps {
         };
         let pilot = match (&kernels.caustic_count, &kernels.caustic_radius) {
             (Some(count), Some(radius)) => Some([
-                count.bind(context, buffers, &[])?,
+                count.bind(context, buffers, &sorted(Kind::Caustic))?,
                 radius.bind(context, buffers, &[("fits", "radii")])?,
             ]),
             _ => None,
@@ -150,5 +161,32 @@ impl Steps {
             maps,
             pilot,
         })
+    }
+
+    /// Record what starts at the camera: gather points, emission, direct light.
+    pub(super) fn record_camera(&self, recorder: &mut Recorder<'_>, pass_info: u32, pixels: u32) {
+        let at = [("pass_info", pass_info)];
+        recorder.dispatch(&self.eye, &at, pixels);
+        if let Some([glint, ..]) = &self.glint {
+            recorder.dispatch(glint, &at, pixels);
+        }
+        if let Some(direct) = &self.direct {
+            recorder.dispatch(direct, &at, pixels);
+        }
+    }
+
+    /// Record what a sorted map is for.
+    pub(super) fn record_gather(
+        &self,
+        recorder: &mut Recorder<'_>,
+        kind: Kind,
+        gather: &Step,
+        at: Offsets<'_>,
+        size: [u32; 2],
+    ) {
+        if let (Kind::Diffuse, Some(boundary)) = (kind, &self.boundary) {
+            recorder.dispatch_tiles(boundary, at, size);
+        }
+        recorder.dispatch_tiles(gather, at, size);
     }
 }

@@ -43,6 +43,7 @@ sources![
     "shared/clip.wgsl",
     "shared/grid.wgsl",
     "shared/index.wgsl",
+    "shared/strip.wgsl",
     "shared/lanes.wgsl",
     "shared/lanes_alone.wgsl",
     "shared/scene.wgsl",

@@ -4,10 +4,11 @@
 use super::Plan;
 use super::shape::{DIGIT_BITS, Kind, Machine, Shape, Shapes, Strips};
 use super::traffic::Traffic;
+use crate::error::{Error, Result};
 use crate::film::LAYERS;
 use crate::layout::{
     AreaPoint, Clip, Fit, GatherPoint, Joton, Lane, LaneTally, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS,
-    SMALL_NODE_WORDS, SMALL_TRIANGLES, status,
+    SMALL_NODE_WORDS, SMALL_TRIANGLES, TILE, status,
 };
 use crate::pack::{
     MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target, WARP_WORDS,
@@ -26,6 +27,8 @@ pub struct Buffer {
 
 /// Films of the layers, in the order of [`crate::film::Layer::ALL`].
 pub const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
+/// What the pilot finds out of each pixel: where strips take turns, it is kept on the host.
+pub const KNOWN: [&str; 4] = ["gather_points", "radii", "edges", "clips"];
 /// Bytes of a pixel of a film: a vector of four, of which three are used.
 const FILM_PIXEL: u64 = 16;
 /// Bytes of a word.
@@ -53,7 +56,13 @@ pub const AREA_KEY_BITS: u32 = 17;
 /// Entries of its bucket table.
 pub const AREA_STARTS: usize = (1 << AREA_KEY_BITS) + 2;
 /// Room for the area points of later passes, whose discs are smaller.
-const AREA_SLACK: u64 = 2;
+const AREA_SLACK: usize = 2;
+/// Area points may take one part of this many of the memory that is allowed.
+const AREA_MEMORY_SHARE: u64 = 8;
+/// Strips that are tried before a pass gets fewer jotons: thinner ones have too much overlap.
+const STRIPS_GOOD: u32 = 32;
+/// Jotons that a pass keeps in any case: the caustic map's and the diffuse map's.
+const JOTONS_KEPT: u32 = 1 << 10;
 
 impl Buffer {
     fn new(name: &'static str, bytes: u64, holds: &'static str) -> Self {
@@ -79,14 +88,7 @@ pub struct Needs<'a> {
 impl<'a> Needs<'a> {
     /// What a device is expected to need, before its own pilot: how many jotons lanes store is an estimate.
     pub fn expected(scene: &'a PackedScene, plan: &'a Plan, machine: Machine, traffic: &Traffic) -> Self {
-        let shape = |kind, emitted: u32| {
-            let of = |n| Shape::expected(n, &traffic.of(kind), scene.triangles.len(), &machine);
-            (emitted > 0).then_some(emitted).map(of)
-        };
-        let shapes = Shapes {
-            caustic: shape(Kind::Caustic, plan.caustic_jotons),
-            diffuse: shape(Kind::Diffuse, plan.diffuse_jotons),
-        };
+        let shapes = expected_shapes(scene, plan, machine, traffic);
         Self { scene, plan, machine, shapes, strips: Strips::whole(scene.size) }
     }
 
@@ -94,27 +96,119 @@ impl<'a> Needs<'a> {
     pub fn buffers(&self) -> Vec<Buffer> {
         let mut all = scene_buffers(self.scene, self.plan, &self.machine);
         all.extend(self.pass_buffers());
-        if self.shapes.diffuse.is_some() {
-            let wanted = area_points_wanted(self.scene, self.plan.diffuse.radius(0));
-            all.push(area_points(wanted));
+        let most = area_points_most(self.plan.settings.memory);
+        let wanted = if self.shapes.diffuse.is_some() {
+            area_points_wanted(self.scene, self.plan.diffuse.radius(0), most)
         } else {
-            all.push(area_points(0));
-        }
-        let read =
-            |b: &&Buffer| b.name == "status" || b.name.starts_with("tallies") || FILMS.contains(&b.name);
-        let bytes = all.iter().filter(read).map(|b| b.bytes).sum();
-        all.push(Buffer::new("staging", bytes, "what is read back after a batch"));
+            0
+        };
+        all.push(area_points(wanted, most));
+        let bytes = |is_read: &dyn Fn(&str) -> bool| -> u64 {
+            all.iter().filter(|b| is_read(b.name)).map(|b| b.bytes).sum()
+        };
+        let counts = bytes(&|name| name == "status" || name.starts_with("tallies"));
+        let films = bytes(&|name| FILMS.contains(&name));
+        let known = bytes(&|name| KNOWN.contains(&name));
+        let together = if self.strips.count() == 1 { counts + films } else { counts.max(films).max(known) };
+        all.push(Buffer::new("staging", together, "what is read back at a time"));
         all
+    }
+
+    /// Whether both sorted maps are kept: where strips take turns, each looks at both.
+    pub fn maps_apart(&self) -> bool {
+        self.strips.count() > 1 && self.shapes.each().count() > 1
+    }
+
+    /// The image in as few strips as fit, at most so many: no buffer larger than a binding, all together within the budget.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] that names what does not fit.
+    fn cut(mut self, most: u32) -> Result<Strips> {
+        for count in 1..=most {
+            self.strips = Strips::cut(self.scene.size, count);
+            if self.fits().is_ok() {
+                break;
+            }
+        }
+        self.fits().map(|()| self.strips)
+    }
+
+    /// Check that all buffers fit.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] that names what does not.
+    pub fn fits(&self) -> Result<()> {
+        let buffers = self.buffers();
+        // staging is bound by no kernel
+        let bound = buffers.iter().filter(|b| b.name != "staging");
+        if let Some(b) = bound.max_by_key(|b| b.bytes).filter(|b| b.bytes > self.machine.storage_binding) {
+            let remedy = "use --device cpu".to_string();
+            let limit = self.machine.storage_binding;
+            return Err(Error::Capacity { buffer: b.name, need: b.bytes, limit, remedy });
+        }
+        let Some(limit) = self.plan.settings.memory else { return Ok(()) };
+        // later passes have more area points
+        let area =
+            |b: &Buffer| if b.name == "area_points" { limit / AREA_MEMORY_SHARE + GRAIN } else { b.bytes };
+        let need = buffers.iter().map(area).sum();
+        if need > limit {
+            let remedy =
+                "allow more (--memory), render a smaller image (--size) or use --device cpu".to_string();
+            return Err(Error::Capacity { buffer: "the device", need, limit, remedy });
+        }
+        Ok(())
     }
 
     /// Those that depend on how the work is cut.
     pub fn pass_buffers(&self) -> Vec<Buffer> {
         let shapes: Vec<Shape> = self.shapes.each().collect();
         let mut all = map_buffers(&shapes, &self.machine);
+        if let (true, Some(shape)) = (self.maps_apart(), self.shapes.caustic) {
+            let [sorted, starts] = sorted_buffers(shape.max_stored(), shape.buckets());
+            all.push(Buffer { name: "sorted_jotons_caustic", ..sorted });
+            all.push(Buffer { name: "bucket_starts_caustic", ..starts });
+        }
         all.extend(pixel_buffers(self.strips.pixels_held()));
         all.push(Buffer::new("area_starts", AREA_STARTS as u64 * WORD, "first area point of each bucket"));
         all.push(Buffer::new("status", u64::from(status::SLOTS) * WORD, "alarms and counts of rays"));
         all
+    }
+}
+
+/// How a device is expected to cut the maps.
+pub fn expected_shapes(scene: &PackedScene, plan: &Plan, machine: Machine, traffic: &Traffic) -> Shapes {
+    let shape = |kind, emitted: u32| {
+        let of = |n| Shape::expected(n, &traffic.of(kind), scene.triangles.len(), &machine);
+        (emitted > 0).then_some(emitted).map(of)
+    };
+    Shapes {
+        caustic: shape(Kind::Caustic, plan.caustic_jotons),
+        diffuse: shape(Kind::Diffuse, plan.diffuse_jotons),
+    }
+}
+
+/// Make a render fit: first the image is cut into strips, which changes nothing in it, then passes get fewer jotons.
+///
+/// # Errors
+/// [`Error::Capacity`] with need and limit where the least does not fit.
+pub fn fit(scene: &PackedScene, plan: &mut Plan, shapes: &mut Shapes, machine: Machine) -> Result<Strips> {
+    let thinnest = scene.size[1].div_ceil(TILE);
+    loop {
+        let strips = Strips::whole(scene.size);
+        let needs = Needs { scene, plan, machine, shapes: *shapes, strips };
+        if let Ok(strips) = needs.cut(STRIPS_GOOD.min(thinnest)) {
+            return Ok(strips);
+        }
+        let stored = |kind: &Kind| shapes.of(*kind).map_or(0, |shape| shape.max_stored());
+        let [caustic, diffuse] = Kind::ALL;
+        let larger = if stored(&caustic) > stored(&diffuse) { caustic } else { diffuse };
+        match shapes.of_mut(larger) {
+            Some(shape) if shape.emitted > JOTONS_KEPT => {
+                plan.halve_jotons(scene, larger);
+                *shape = shape.halved();
+            }
+            _ => return needs.cut(thinnest),
+        }
     }
 }
 
@@ -171,20 +265,29 @@ pub fn map_buffers(shapes: &[Shape], machine: &Machine) -> Vec<Buffer> {
     let scanned = histogram.max(lanes + 1);
     let tallies = lanes * size_of::<LaneTally>() as u64;
     let jotons = stored * size_of::<Joton>() as u64;
-    vec![
+    let mut all = vec![
         Buffer::new("lanes", lanes * size_of::<Lane>() as u64, "jotons on their way"),
         Buffer::new("tallies_caustic", tallies, "counts and energy, caustic map"),
         Buffer::new("tallies_diffuse", tallies, "counts and energy, diffuse map"),
         Buffer::new("lane_starts", (lanes + 1) * WORD, "first joton of each lane"),
         Buffer::new("jotons", jotons, "jotons as they were stored"),
-        Buffer::new("sorted_jotons", jotons, "jotons in the order of the grid"),
         Buffer::new("keys_a", stored * WORD, "grid bucket of each joton"),
         Buffer::new("keys_b", stored * WORD, "the same, other half of a sort"),
         Buffer::new("places_a", stored * WORD, "place of each joton"),
         Buffer::new("places_b", stored * WORD, "the same, other half of a sort"),
         Buffer::new("histogram", histogram * WORD, "digits of a sort"),
         Buffer::new("block_sums", scanned.div_ceil(u64::from(SCAN_BLOCK)) * WORD, "sums of a scan"),
-        Buffer::new("bucket_starts", most(&Shape::buckets) * WORD, "first joton of each bucket"),
+    ];
+    all.extend(sorted_buffers(stored, most(&Shape::buckets)));
+    all
+}
+
+/// A sorted map.
+fn sorted_buffers(stored: u64, buckets: u64) -> [Buffer; 2] {
+    let jotons = stored * size_of::<Joton>() as u64;
+    [
+        Buffer::new("sorted_jotons", jotons, "jotons in the order of the grid"),
+        Buffer::new("bucket_starts", buckets * WORD, "first joton of each bucket"),
     ]
 }
 
@@ -202,16 +305,22 @@ fn pixel_buffers(pixels: u64) -> Vec<Buffer> {
     all
 }
 
-/// The buffer for so many area points.
-pub fn area_points(count: usize) -> Buffer {
-    let each = size_of::<AreaPoint>() as u64;
-    // rounding may add one
-    let bytes = (count as u64 * AREA_SLACK).min(AREA_POINTS_MAX as u64) * each + each;
-    Buffer::new("area_points", bytes, "sample of the diffuse surfaces")
+/// How many area points the discs of a pass want, with at most `most`.
+pub fn area_points_wanted(scene: &PackedScene, radius: f64, most: usize) -> usize {
+    let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
+    ((POINTS_PER_DISC * discs) as usize).clamp(1, most)
 }
 
-/// How many area points discs of this radius want.
-pub fn area_points_wanted(scene: &PackedScene, radius: f64) -> usize {
-    let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
-    ((POINTS_PER_DISC * discs) as usize).clamp(1, AREA_POINTS_MAX)
+/// Most area points of a render that may take so much memory.
+pub fn area_points_most(memory: Option<u64>) -> usize {
+    let share = |bytes: u64| (bytes / AREA_MEMORY_SHARE) as usize / size_of::<AreaPoint>();
+    memory.map_or(AREA_POINTS_MAX, share).clamp(1, AREA_POINTS_MAX)
+}
+
+/// The buffer for so many area points, of at most `most`.
+pub fn area_points(count: usize, most: usize) -> Buffer {
+    let each = size_of::<AreaPoint>() as u64;
+    // rounding may add one
+    let bytes = ((count * AREA_SLACK).min(most) as u64 + 1) * each;
+    Buffer::new("area_points", bytes, "sample of the diffuse surfaces")
 }

@@ -6,7 +6,7 @@
 //! compared with half the CPU seconds of a first pass (median of three seeds): told 107, 206, 310, measured 113, 204, 310;
 //! scenes/ furnace 115 and 107, pool 277 and 280, ring 121 and 84, spheres 191 and 191. Other machines differ in all of it.
 
-use super::buffers::{Needs, SCAN_BLOCK, area_points_wanted, is_small};
+use super::buffers::{Needs, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
 use super::shape::{DIGIT_BITS, Kind, Shape, Strip};
 use super::traffic::Traffic;
 use crate::film::Layer;
@@ -206,7 +206,8 @@ impl Needs<'_> {
         }
         let radius = self.plan.diffuse.radius(0);
         let discs = self.scene.diffuse_area / (PI * radius * radius);
-        let area_points = area_points_wanted(self.scene, radius) as f64;
+        let area_points =
+            area_points_wanted(self.scene, radius, area_points_most(self.plan.settings.memory)) as f64;
         let boundary = gather(CUT_SHARE * TESTED_SHARE * area_points / discs);
         list.add("boundary", map, &pixels, boundary);
         let stored = f64::from(self.plan.diffuse_jotons) * traffic.of(kind).stored;

@@ -26,6 +26,8 @@ pub struct Settings {
     pub paths: LightPaths,
     /// Shadow rays per gather point and pass.
     pub shadow_rays: u32,
+    /// Bytes that a device's buffers may take together; none for as much as it allows.
+    pub memory: Option<u64>,
 }
 
 /// Shadow rays that pay: where light is soft they halve the noise of direct light for a tenth of a pass.
@@ -33,7 +35,7 @@ pub const SHADOW_RAYS: u32 = 2;
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS }
+        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS, memory: None }
     }
 }
 
@@ -210,6 +212,20 @@ impl Plan {
             diffuse: Schedule { base: diffuse, alpha: ALPHA },
             skipped,
             pilot,
+        }
+    }
+
+    /// Emit half as many jotons for a map, with the radius that goes with them: a disc holds as many.
+    pub fn halve_jotons(&mut self, scene: &PackedScene, kind: shape::Kind) {
+        match kind {
+            // its radii are chosen by counting
+            shape::Kind::Caustic => self.caustic_jotons = self.caustic_jotons.div_ceil(2),
+            shape::Kind::Diffuse => {
+                let image_width = f64::from(self.pilot.footprint_median) * f64::from(scene.size[0]);
+                let largest = (DIFFUSE_LIMITS[1] * image_width).max(self.diffuse.base);
+                self.diffuse_jotons = self.diffuse_jotons.div_ceil(2);
+                self.diffuse.base = (self.diffuse.base * std::f64::consts::SQRT_2).min(largest);
+            }
         }
     }
 

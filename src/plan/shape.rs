@@ -106,6 +106,11 @@ impl Shape {
         Self { lane_capacity, dispatches: dispatches_kept(needed), ..shape }
     }
 
+    /// Half the jotons in half the lanes.
+    pub fn halved(&self) -> Self {
+        Self { emitted: self.emitted.div_ceil(2), lanes: self.lanes.div_ceil(2), ..*self }
+    }
+
     /// Most jotons that are stored in a pass.
     pub fn max_stored(&self) -> u64 {
         u64::from(self.lanes) * u64::from(self.lane_capacity)
@@ -190,6 +195,13 @@ pub struct Strip {
     pub held_first: u32,
     /// Rows in the buffers.
     pub held_rows: u32,
+}
+
+impl Strip {
+    /// What the buffers hold, all of it rendered: the pilot's.
+    pub fn with_overlap(self) -> Self {
+        Self { first: self.held_first, rows: self.held_rows, ..self }
+    }
 }
 
 /// Rows on each side of a strip that its pixels look at.

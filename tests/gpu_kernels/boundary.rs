@@ -91,7 +91,7 @@ impl<'a> Stage<'a> {
         let k = kernel(self.context, "boundary.wgsl", "main", &[]);
         let mut pass = pass_info();
         pass.pass_index = if edges.is_none() { PILOT_PASS } else { 0 };
-        (pass.width, pass.height) = (self.points.len() as u32, 1);
+        pass.set_image([self.points.len() as u32, 1]);
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
         harness.run(&k, &[], &at, Work::Tiles([pass.width, pass.height])).unwrap_or_else(|e| panic!("{e}"));
@@ -144,7 +144,7 @@ impl<'a> Stage<'a> {
         harness.storage("fits", fits);
         harness.storage("film", &vec![[0.0f32; 4]; self.points.len()]);
         let mut pass = pass_info();
-        (pass.width, pass.height) = (self.points.len() as u32, 1);
+        pass.set_image([self.points.len() as u32, 1]);
         let k = kernel(self.context, "gather.wgsl", "main", &[("HAS_PATH_FILTER", 0.0)]);
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];

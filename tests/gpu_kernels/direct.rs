@@ -1,7 +1,7 @@
 //! eye.wgsl and direct.wgsl on a floor under a light: positions by projection, radiance by the law of each light.
 
 use crate::common::scenes::{Builder, emitter};
-use crate::common::{kernel, path_filter};
+use crate::common::{kernel, pass_info, path_filter};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
 use joton::gpu::Context;
@@ -28,11 +28,9 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
     harness.uniform("path_filter", &path_filter("L.*E"));
     let pixels = scene.pixels();
     let c = &scene.camera;
-    let pass = PassInfo {
+    let mut pass = PassInfo {
         eye: c.eye,
-        width: scene.size[0],
         right: c.right,
-        height: scene.size[1],
         up: c.up,
         seed: 9,
         forward: c.forward,
@@ -40,8 +38,9 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
         pixel_angle: scene.pixel_angle(),
         shadow_rays,
         emitters: scene.emitters.len() as u32,
-        targets: 0,
+        ..pass_info()
     };
+    pass.set_image(scene.size);
     // no pixel is the glint kernel's; the rest must be overwritten
     let mut unwritten = [PATTERN; 12];
     unwritten[11] = 0;

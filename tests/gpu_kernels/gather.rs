@@ -94,7 +94,7 @@ impl Question<'_> {
         harness.storage("fits", self.fits);
         harness.storage("film", &vec![[0.0f32; 4]; self.points.len()]);
         let mut pass = pass_info();
-        (pass.width, pass.height) = (self.points.len() as u32, 1);
+        pass.set_image([self.points.len() as u32, 1]);
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
         let overrides = [("CAUSTIC", flag(self.caustic)), ("HAS_PATH_FILTER", flag(self.paths != "L.*E"))];
         let linked = link("gather.wgsl", variant).unwrap_or_else(|e| panic!("{e}"));
