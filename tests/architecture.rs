@@ -19,7 +19,7 @@ const ARROWS: [(&str, &[&str]); 24] = [
     ("report", &["render", "backend", "plan", "pack", "memory"]),
     ("render", &["halves", "backend", "film"]),
     ("halves", &["film"]),
-    ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng"]),
+    ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng", "memory"]),
     ("cpu", &["backend", "plan", "optics", "layout", "pack", "film", "paths", "rng"]),
     ("plan", &["optics", "layout", "pack", "paths", "film", "rng"]),
     ("optics", &["layout", "pack"]),

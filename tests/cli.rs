@@ -484,6 +484,25 @@ fn plan_can_be_read_by_programs() {
     assert!(text.contains("direct light: 2 shadow rays"), "{text}");
 }
 
+/// `--memory` is understood or refused with what to write, and the plan keeps to it without a device: strips first, then
+/// fewer jotons, and an error with need, limit and remedy where nothing helps.
+#[test]
+fn memory_is_kept_to() {
+    let folder = Folder::new();
+    let plan = |memory: &str| -> Value {
+        let words = format!("plan ring.toml --json --memory {memory}");
+        serde_json::from_str(&folder.done(&words).stdout).expect("JSON")
+    };
+    let (ample, cut, scarce) = (plan("1G"), plan("14M"), plan("4M"));
+    assert_eq!(number(&ample["strips"]), 1.0);
+    assert!(number(&ample["bytes"]) > 14.0 * 1048576.0 && number(&cut["bytes"]) <= 14.0 * 1048576.0);
+    assert!(number(&cut["strips"]) > 1.0 && cut["caustic_jotons"] == ample["caustic_jotons"]);
+    assert!(number(&scarce["bytes"]) <= 4.0 * 1048576.0);
+    assert!(number(&scarce["caustic_jotons"]) < number(&ample["caustic_jotons"]));
+    folder.fails("plan ring.toml --memory 100K", &["bytes", "102400", "--memory"]);
+    folder.fails("render ring.toml --memory 12", &["--memory", "512M"]);
+}
+
 /// `devices` lists at least the processor, and says of exactly one device that auto picks it.
 #[test]
 fn devices_are_listed() {

@@ -1,10 +1,11 @@
 //! `joton plan SCENE`: what the scene needs, what is skipped and why.
 
+use super::memory::{self, mebibytes};
 use super::{DONE, say};
 use clap::Args;
 use joton::film::Layer;
 use joton::pack::PackedScene;
-use joton::plan::buffers::{Buffer, Needs};
+use joton::plan::buffers::{Buffer, Needs, expected_shapes, fit};
 use joton::plan::kernels::Kernel;
 use joton::plan::shape::Machine;
 use joton::plan::traffic::Traffic;
@@ -21,6 +22,9 @@ pub(super) struct PlanArguments {
     /// Light paths to render, e.g. "LS+DE".
     #[arg(long, value_name = "EXPR")]
     paths: Option<String>,
+    /// Memory of the device's buffers, at most, e.g. 512M.
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -29,13 +33,16 @@ pub(super) struct PlanArguments {
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let scene = joton::scene::load(&a.scene)?;
     let packed = PackedScene::new(&scene);
-    let mut settings = Settings::default();
+    let mut settings = Settings { memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
-    let plan = Plan::new(&packed, settings);
+    let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);
-    let needs = Needs::expected(&packed, &plan, Machine::REFERENCE, &traffic);
+    let machine = Machine::REFERENCE;
+    let mut shapes = expected_shapes(&packed, &plan, machine, &traffic);
+    let strips = fit(&packed, &mut plan, &mut shapes, machine)?;
+    let needs = Needs { scene: &packed, plan: &plan, machine, shapes, strips };
     let (kernels, buffers) = (needs.kernels(&traffic), needs.buffers());
     let milliseconds: f64 = kernels.iter().map(|k| k.milliseconds).sum();
     let bytes: u64 = buffers.iter().map(|b| b.bytes).sum();
@@ -52,6 +59,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "warps": plan.guide.warps().len(),
             "caustic_radius": plan.caustic.base * scale,
             "diffuse_radius": plan.diffuse.base * scale,
+            "strips": strips.count(),
             "kernels": kernels,
             "milliseconds": milliseconds,
             "buffers": buffers,
@@ -77,6 +85,9 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     if !plan.guide.is_empty() {
         let warps = plan.guide.warps().len();
         say(format_args!("caustic jotons: lamps picked by what the camera can use, {warps} of them warped"));
+    }
+    if strips.count() > 1 {
+        say(format_args!("image: {} strips of {} rows, one after the other", strips.count(), strips.rows));
     }
     if plan.traces(Layer::Direct) {
         say(format_args!("direct light: {} shadow rays a pixel and pass", plan.settings.shadow_rays));
@@ -112,10 +123,6 @@ fn kernel_line(k: &Kernel) -> [String; 7] {
 /// Cells of a buffer's line.
 fn buffer_line(b: &Buffer) -> [String; 3] {
     [b.name.to_string(), b.bytes.to_string(), b.holds.to_string()]
-}
-
-fn mebibytes(bytes: u64) -> String {
-    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
 /// Print lines of cells in columns: numbers to the right.

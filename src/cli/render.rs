@@ -1,6 +1,6 @@
 //! `joton render SCENE`.
 
-use super::{DONE, INTERRUPTED, device, tell};
+use super::{DONE, INTERRUPTED, device, memory, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use joton::backend::Backend;
@@ -53,6 +53,9 @@ pub(super) struct RenderArguments {
     /// Shadow rays for each pixel and pass.
     #[arg(long, default_value_t = SHADOW_RAYS, value_parser = clap::value_parser!(u32).range(1..=32))]
     shadow_rays: u32,
+    /// Memory of the device's buffers, at most, e.g. 512M or 2G [default: what the device allows and the machine has free].
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
     /// Exposure of PNG files: auto, or a number of stops.
     #[arg(long, default_value = "auto", allow_negative_numbers = true)]
     exposure: display::Exposure,
@@ -78,7 +81,8 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         kind_of(path)?;
     }
     check_outputs(&a.scene, outputs.iter().chain(&a.report))?;
-    let mut settings = Settings { seed: a.seed, shadow_rays: a.shadow_rays, ..Settings::default() };
+    let mut settings =
+        Settings { seed: a.seed, shadow_rays: a.shadow_rays, memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }
@@ -97,7 +101,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     film::check_memory(scene.size)?;
     let packed = Arc::new(PackedScene::new(&scene));
     let plan = Plan::new(&packed, settings);
-    let (mut backend, device) = device::open(&a.device, a.reference, &packed, &plan)?;
+    let (mut backend, device, plan) = device::open(&a.device, a.reference, &packed, plan)?;
     say(&device);
     if a.timings {
         backend.measure_kernels();

@@ -21,7 +21,9 @@ pub use shaders::{SOURCES, Variant, link, link_source};
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
+use crate::film::host_bytes;
 use crate::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
+use crate::memory;
 use crate::pack::PackedScene;
 use crate::plan::buffers::{self, Buffer, FILMS, Needs, area_points_most, area_points_wanted};
 use crate::plan::shape::{Kind, Shape, Shapes, Strip, Strips, roomy};
@@ -73,7 +75,12 @@ impl GpuBackend {
     ///
     /// # Errors
     /// [`Error::Device`] where the device fails, [`Error::Capacity`] where the scene does not fit.
-    pub fn new(context: Context, scene: Arc<PackedScene>, plan: Plan) -> Result<Self> {
+    pub fn new(context: Context, scene: Arc<PackedScene>, mut plan: Plan) -> Result<Self> {
+        if context.is_software() {
+            // its memory is the host's; the films and files need theirs
+            let left = || Some(memory::available()?.saturating_sub(host_bytes(scene.size)));
+            plan.settings.memory = plan.settings.memory.or_else(left);
+        }
         let depth = scene.bvh.depth();
         if depth > TRAVERSAL_STACK {
             let what = format!(

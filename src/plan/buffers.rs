@@ -148,8 +148,8 @@ impl<'a> Needs<'a> {
         }
         let Some(limit) = self.plan.settings.memory else { return Ok(()) };
         // later passes have more area points
-        let area =
-            |b: &Buffer| if b.name == "area_points" { limit / AREA_MEMORY_SHARE + GRAIN } else { b.bytes };
+        let most = area_points_most(Some(limit));
+        let area = |b: &Buffer| if b.name == "area_points" { area_points(most, most).bytes } else { b.bytes };
         let need = buffers.iter().map(area).sum();
         if need > limit {
             let remedy =
