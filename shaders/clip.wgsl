@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             if hit.triangle == MISS {
                 continue;
             }
-            let t = triangles[hit.triangle];
+            let t = triangle_at(hit.triangle);
             // light goes through glass
             if (materials[t.material].flag_bits & DIELECTRIC) != 0u {
                 continue;

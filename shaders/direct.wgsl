@@ -86,7 +86,7 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
     if hit.triangle == MISS {
         return Bands(0.0);
     }
-    let t = triangles[hit.triangle];
+    let t = triangle_at(hit.triangle);
     let front = normalize(cross(t.e1, t.e2));
     if t.emitter == NO_EMITTER || dot(wi, front) >= 0.0 {
         return Bands(0.0);

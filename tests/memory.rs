@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::scenes::{Builder, emitter, mirror};
 use joton::Error;
 use joton::backend::{Backend, Batch};
 use joton::film::{Image, Layer};
@@ -211,6 +212,40 @@ fn too_little_memory_is_an_error() {
     let Error::Capacity { need, limit, .. } = error else { panic!("{error}") };
     assert!(limit == 100_000 && need > limit, "{error}");
     assert!(error.to_string().contains("--memory"), "{error}");
+}
+
+/// Triangles in several bindings are the same triangles: the image is that of a device whose bindings hold them all.
+#[test]
+fn split_triangles_show_the_same_image() {
+    device_or_return!();
+    let mut b = Builder::new([0., 0.5, 1.9], [0., -0.3, 0.], [0., 1., 0.], 0.6, 24);
+    let (walls, ball) = (b.matte(0.7), b.material(mirror(0.8)));
+    let lamp = b.material(emitter(20.0, 0.0));
+    b.room([-1., -1., -1.], [1., 1., 2.], walls);
+    b.quad([-0.2, 0.99, -0.2], [0.4, 0., 0.], [0., 0., 0.4], lamp);
+    b.icosphere([0., -0.5, 0.], 0.5, 6, true, ball);
+    let scene = Arc::new(PackedScene::new(&b.scene));
+    let mut plan = Plan::new(&scene, Settings::default());
+    // few enough for small bindings, too
+    (plan.caustic_jotons, plan.diffuse_jotons) = (4096, 4096);
+    let go = |binding: Option<u64>| {
+        let mut context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+        let limit = &mut context.limits.max_storage_buffer_binding_size;
+        *limit = binding.unwrap_or(*limit);
+        let mut backend =
+            GpuBackend::new(context, Arc::clone(&scene), plan.clone()).unwrap_or_else(|e| panic!("{e}"));
+        let batch = backend.render(0, 2).unwrap_or_else(|e| panic!("{e}"));
+        let parts = backend.memory().iter().filter(|(name, _)| name.starts_with("triangles")).count();
+        let largest = backend.memory().into_iter().filter(|(name, _)| *name != "staging").map(|b| b.1).max();
+        (batch, parts, largest.unwrap_or(0))
+    };
+    // 81,932 triangles of 48 bytes: three parts of at most 32,768
+    const BINDING: u64 = 1_600_000;
+    let ((whole, one, _), (split, parts, largest)) = (go(None), go(Some(BINDING)));
+    assert_eq!((one, parts), (1, 4));
+    assert!(largest <= BINDING, "{largest}");
+    assert!(bits(&whole) == bits(&split), "split triangles are seen");
+    assert_eq!(whole.tally, split.tally);
 }
 
 fn bits(b: &Batch) -> Vec<u32> {

@@ -113,6 +113,7 @@ impl Context {
             is_software: self.is_software(),
             storage_binding: self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size),
             uniform_binding: self.limits.max_uniform_buffer_binding_size,
+            storage_buffers: self.limits.max_storage_buffers_per_shader_stage,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Pipelines: the kernels that a plan needs, compiled, and bound to their buffers.
 
 use super::context::Context;
-use super::kernel::{Buffers, Kernel, Offsets, SMALL_SCENE, Step};
+use super::kernel::{Buffers, Kernel, Offsets, SMALL_SCENE, Step, TRIANGLES_PART};
 use super::map::{Map, MapKernels};
 use super::recorder::Recorder;
 use super::scene_buffers;
@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::film::Layer;
 use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
 use crate::pack::PackedScene;
+use crate::plan::buffers::{is_split, triangles_part};
 use crate::plan::shape::{Kind, Shapes};
 use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
 
@@ -34,7 +35,7 @@ impl Kernels {
     pub(super) fn new(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
         let f = &plan.features;
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
-        let features = [
+        let mut features = vec![
             (SMALL_SCENE, flag(scene_buffers::is_small(context, scene))),
             ("HAS_SMOOTH", flag(f.smooth_normals)),
             ("HAS_SPECULAR", flag(f.specular)),
@@ -47,6 +48,9 @@ impl Kernels {
                 f64::from(if context.is_software() { STEP_BUDGET } else { STEP_BUDGET_HARDWARE }),
             ),
         ];
+        if is_split(scene, &context.machine()) {
+            features.push((TRIANGLES_PART, f64::from(triangles_part(&context.machine()))));
+        }
         let compile = |path: &str| Kernel::new(context, path, "main", &features);
         let with = |path: &str, caustic: bool| {
             let mut overrides = features.to_vec();

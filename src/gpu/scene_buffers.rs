@@ -7,7 +7,7 @@ use crate::layout::{AreaPoint, PathFilter};
 use crate::pack::{MAX_TARGETS, MAX_WARPS, PackedScene, Target, WARP_WORDS};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
-use crate::plan::buffers::{self, Buffer};
+use crate::plan::buffers::{self, Buffer, TRIANGLES, triangles_part_bytes};
 use glam::{Vec2, Vec3};
 
 /// Upload a scene.
@@ -48,8 +48,12 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
             _ => STORAGE,
         };
         let buffer = buffer(context, name, bytes, usage);
-        if let Some((_, content)) = contents.iter().find(|(n, _)| *n == name) {
-            context.queue.write_buffer(&buffer, 0, content);
+        let part = TRIANGLES.iter().position(|n| *n == name).unwrap_or(0);
+        let whole = if part > 0 { TRIANGLES[0] } else { name };
+        if let Some((_, content)) = contents.iter().find(|(n, _)| *n == whole) {
+            let from = (part as u64 * triangles_part_bytes(&context.machine())).min(content.len() as u64);
+            let rest = &content[from as usize..];
+            context.queue.write_buffer(&buffer, 0, &rest[..rest.len().min(bytes as usize)]);
         }
         buffers.insert(name, buffer);
     }
@@ -72,7 +76,7 @@ pub(super) fn check_capacity(context: &Context, buffers: &[Buffer]) -> Result<()
     let limit = context.machine().storage_binding;
     for &Buffer { name, bytes, .. } in buffers {
         if bytes > limit {
-            let remedy = "render a smaller image (--size) or use --device cpu".to_string();
+            let remedy = "use --device cpu".to_string();
             return Err(Error::Capacity { buffer: name, need: bytes, limit, remedy });
         }
     }

@@ -48,6 +48,8 @@ sources![
     "shared/lanes_alone.wgsl",
     "shared/scene.wgsl",
     "shared/scene_small.wgsl",
+    "shared/triangles.wgsl",
+    "shared/triangles_split.wgsl",
     "shared/features.wgsl",
 ];
 
@@ -58,6 +60,8 @@ pub struct Variant {
     pub subgroups: bool,
     /// The scene lies in uniform buffers.
     pub small_scene: bool,
+    /// The triangles are more than one binding holds.
+    pub split_scene: bool,
 }
 
 /// A kernel file with everything it imports and the shared structs.
@@ -69,6 +73,7 @@ pub fn link(path: &str, variant: Variant) -> Result<String> {
     for (wanted, file, other) in [
         (!variant.subgroups, "shared/lanes.wgsl", "shared/lanes_alone.wgsl"),
         (variant.small_scene, "shared/scene.wgsl", "shared/scene_small.wgsl"),
+        (variant.split_scene, "shared/triangles.wgsl", "shared/triangles_split.wgsl"),
     ] {
         if wanted {
             linked = linked.replace(find(file)?, find(other)?);

@@ -223,7 +223,7 @@ pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &Machine) -> Vec
     let emitter = size_of::<PackedEmitter>() as u64;
     let mut all = vec![
         buffer("nodes", scene.bvh.node_count(), NODE_BYTES, "hierarchy"),
-        buffer("triangles", scene.triangles.len(), size_of::<PackedTriangle>() as u64, "triangles"),
+        buffer("triangles", scene.triangles.len(), TRIANGLE, "triangles"),
         Buffer::new(
             "shading_normals",
             scene.shading_normals.len() as u64 * NORMALS_BYTES,
@@ -236,6 +236,23 @@ pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &Machine) -> Vec
         let holds = "lights, picked as was learned for the caustic map";
         all.push(buffer("emitters_caustic", scene.emitters.len(), emitter, holds));
     }
+    if is_split(scene, machine) {
+        let bytes = scene.triangles.len() as u64 * TRIANGLE;
+        let part = triangles_part_bytes(machine);
+        for (i, name) in (0..).zip(TRIANGLES) {
+            // what does not fit into all parts is left to the last, and found to be too large
+            let most = if i + 1 < TRIANGLES.len() as u64 { part } else { bytes };
+            let buffer = Buffer::new(
+                name,
+                bytes.saturating_sub(i * part).clamp(TRIANGLE, most),
+                "a part of the triangles",
+            );
+            match all.iter_mut().find(|b| b.name == name) {
+                Some(whole) => *whole = buffer,
+                None => all.push(buffer),
+            }
+        }
+    }
     let warps = (MAX_WARPS * WARP_WORDS) as u64 * WORD;
     all.extend([
         Buffer::new("targets", (MAX_TARGETS * size_of::<Target>()) as u64, "spheres about specular bodies"),
@@ -244,6 +261,31 @@ pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &Machine) -> Vec
         Buffer::new("ring", RING_BYTES, "uniforms of a submission"),
     ]);
     all
+}
+
+/// Names of the parts of the triangles where they are more than a binding holds. Nodes are fewer and normals smaller: both
+/// fit where the triangles do.
+pub const TRIANGLES: [&str; 4] = ["triangles", "triangles_1", "triangles_2", "triangles_3"];
+/// Storage buffers of the kernel that has most of them, with all these parts.
+const STORAGE_BUFFERS_SPLIT: u32 = 8 + TRIANGLES.len() as u32 - 1;
+
+/// Bytes of a triangle.
+const TRIANGLE: u64 = size_of::<PackedTriangle>() as u64;
+
+/// Binary logarithm of the triangles in a part: as many as a binding holds.
+pub fn triangles_part(machine: &Machine) -> u32 {
+    (machine.storage_binding / TRIANGLE).max(1).ilog2()
+}
+
+/// Bytes of a part of the triangles.
+pub fn triangles_part_bytes(machine: &Machine) -> u64 {
+    TRIANGLE << triangles_part(machine)
+}
+
+/// True where the triangles are more than a binding holds, and the device can bind their parts.
+pub fn is_split(scene: &PackedScene, machine: &Machine) -> bool {
+    scene.triangles.len() as u64 * TRIANGLE > machine.storage_binding
+        && machine.storage_buffers >= STORAGE_BUFFERS_SPLIT
 }
 
 /// True for a scene that fits into uniform buffers.

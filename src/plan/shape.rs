@@ -12,12 +12,18 @@ pub struct Machine {
     pub storage_binding: u64,
     /// Bytes of a uniform buffer, at most.
     pub uniform_binding: u64,
+    /// Storage buffers of a kernel, at most.
+    pub storage_buffers: u32,
 }
 
 impl Machine {
     /// The machine that `joton plan` tells sizes and costs of: lavapipe, whose bindings are as small as WebGPU's.
-    pub const REFERENCE: Self =
-        Self { is_software: true, storage_binding: 128 << 20, uniform_binding: 64 << 10 };
+    pub const REFERENCE: Self = Self {
+        is_software: true,
+        storage_binding: 128 << 20,
+        uniform_binding: 64 << 10,
+        storage_buffers: 32,
+    };
 }
 
 /// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
