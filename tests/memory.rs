@@ -8,7 +8,7 @@ use joton::backend::{Backend, Batch};
 use joton::film::{Image, Layer};
 use joton::gpu::{Context, GpuBackend};
 use joton::pack::PackedScene;
-use joton::plan::buffers::{Buffer, Needs};
+use joton::plan::buffers::{Buffer, Needs, expected_shapes};
 use joton::plan::shape::{Kind, Machine, Strips};
 use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
@@ -74,8 +74,8 @@ fn expectations_come_near() {
         let tally = backend.render(0, 1).unwrap_or_else(|e| panic!("{e}")).tally;
         let needs = backend.needs();
         let traffic = Traffic::look(&scene, needs.plan);
-        let expected = Needs::expected(&scene, needs.plan, backend.needs().machine, &traffic);
-        for (expected, found) in expected.shapes.each().zip(needs.shapes.each()) {
+        let expected = expected_shapes(&scene, needs.plan, needs.machine, &traffic);
+        for (expected, found) in expected.each().zip(needs.shapes.each()) {
             let ratio = expected.max_stored() as f64 / found.max_stored() as f64;
             assert!((0.5..2.0).contains(&ratio), "{name}: room for {ratio} of the jotons");
         }
@@ -93,7 +93,9 @@ fn costs_follow_the_work() {
         let scene = file("spheres.toml", size);
         let plan = Plan::new(&scene, Settings::default());
         let traffic = Traffic::look(&scene, &plan);
-        let needs = Needs::expected(&scene, &plan, Machine::REFERENCE, &traffic);
+        let machine = Machine::REFERENCE;
+        let shapes = expected_shapes(&scene, &plan, machine, &traffic);
+        let needs = Needs { scene: &scene, plan: &plan, machine, shapes, strips: Strips::whole(size) };
         let kernels = needs.kernels(&traffic);
         assert!(kernels.iter().all(|k| k.milliseconds > 0.0 && k.dispatches > 0 && k.invocations > 0));
         let bytes = needs.buffers().iter().map(|b| b.bytes).sum();

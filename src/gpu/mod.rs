@@ -25,16 +25,15 @@ use crate::film::host_bytes;
 use crate::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
 use crate::memory;
 use crate::pack::PackedScene;
-use crate::plan::buffers::{self, Buffer, FILMS, Needs, area_points_most, area_points_wanted};
+use crate::plan::Plan;
+use crate::plan::buffers::{self, Buffer, FILMS, Needs};
 use crate::plan::shape::{Kind, Shape, Shapes, Strip, Strips, roomy};
-use crate::plan::{Plan, area_group};
-use crate::rng::sequence_seed;
+use area::AreaState;
 use pipelines::{Kernels, Steps};
 use recorder::{Recorder, Timer};
 use ring::Ring;
-use std::ops::Range;
 use std::sync::Arc;
-use strips::Kept;
+use strips::{KEPT_BYTES_PER_PIXEL, Kept};
 
 /// Passes of a batch on a GPU, at most: they are summed in f32.
 const BATCH_PASSES: u64 = 16;
@@ -60,16 +59,6 @@ pub struct GpuBackend {
     staging: Option<wgpu::Buffer>,
 }
 
-/// The area points that are on the device.
-struct AreaState {
-    /// The passes that they are for.
-    group: Range<u64>,
-    each: f32,
-    cells_per_unit: f32,
-    row_mask: u32,
-    columns: u32,
-}
-
 impl GpuBackend {
     /// Compile the kernels, upload the scene and run the pilot pass.
     ///
@@ -77,8 +66,9 @@ impl GpuBackend {
     /// [`Error::Device`] where the device fails, [`Error::Capacity`] where the scene does not fit.
     pub fn new(context: Context, scene: Arc<PackedScene>, mut plan: Plan) -> Result<Self> {
         if context.is_software() {
-            // its memory is the host's; the films and files need theirs
-            let left = || Some(memory::available()?.saturating_sub(host_bytes(scene.size)));
+            // its memory is the host's; films, files and strips need theirs
+            let kept = scene.pixels() as u64 * KEPT_BYTES_PER_PIXEL;
+            let left = || Some(memory::available()?.saturating_sub(host_bytes(scene.size) + kept));
             plan.settings.memory = plan.settings.memory.or_else(left);
         }
         let depth = scene.bvh.depth();
@@ -115,7 +105,7 @@ impl GpuBackend {
         Ok(backend)
     }
 
-    /// Name and bytes of every buffer that is on the device, but for those of timers.
+    /// Name and bytes of every buffer that is on the device, but for those of timers and what drivers keep for themselves.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let own = |(name, buffer): &(&&'static str, &wgpu::Buffer)| {
             // without a guide both maps have one list of lights
@@ -195,37 +185,6 @@ impl GpuBackend {
             info.area_columns = area.columns;
         }
         info
-    }
-
-    /// Put on the device the area points of the group of passes that `pass` belongs to. They depend on the group and the
-    /// seed, not on what was rendered before: passes stay independent.
-    fn renew_area_points(&mut self, pass: u64) -> Result<()> {
-        let group = area_group(pass);
-        if self.area.as_ref().is_some_and(|a| a.group == group) {
-            return Ok(());
-        }
-        // cells are as wide as the largest disc of the group, points as dense as its smallest wants them
-        let [largest, smallest] = [group.start, group.end - 1].map(|pass| self.plan.diffuse.radius(pass));
-        let most = area_points_most(self.plan.settings.memory);
-        let count = area_points_wanted(&self.scene, smallest, most);
-        let seed = sequence_seed(self.plan.settings.seed, group.start as u32, area::STREAM_AREA);
-        let grid = area::build(&self.scene, largest, count, seed);
-        let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
-        if self.buffers["area_points"].size() < bytes.len() as u64 {
-            let size = buffers::area_points(count, most).bytes;
-            self.buffers.insert("area_points", scene_buffers::storage(&self.context, "area_points", size));
-            self.bind()?;
-        }
-        self.context.queue.write_buffer(&self.buffers["area_points"], 0, bytes);
-        self.context.queue.write_buffer(&self.buffers["area_starts"], 0, bytemuck::cast_slice(&grid.starts));
-        self.area = Some(AreaState {
-            group,
-            each: grid.each,
-            cells_per_unit: grid.cells_per_unit,
-            row_mask: grid.row_mask,
-            columns: grid.columns,
-        });
-        Ok(())
     }
 
     /// Uniforms of both maps in a pass.

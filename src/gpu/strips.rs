@@ -7,6 +7,9 @@ use super::recorder::Recorder;
 use crate::error::Result;
 use crate::plan::buffers::{FILMS, KNOWN};
 
+/// Bytes of a pixel that the host keeps where there are strips: a gather point, radius, edge and clip, four films.
+pub(super) const KEPT_BYTES_PER_PIXEL: u64 = 48 + 16 + 4 + 32 + 4 * 16;
+
 /// What the host keeps of a strip.
 pub(super) struct Kept {
     /// Contents of [`KNOWN`].

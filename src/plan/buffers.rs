@@ -86,12 +86,6 @@ pub struct Needs<'a> {
 }
 
 impl<'a> Needs<'a> {
-    /// What a device is expected to need, before its own pilot: how many jotons lanes store is an estimate.
-    pub fn expected(scene: &'a PackedScene, plan: &'a Plan, machine: Machine, traffic: &Traffic) -> Self {
-        let shapes = expected_shapes(scene, plan, machine, traffic);
-        Self { scene, plan, machine, shapes, strips: Strips::whole(scene.size) }
-    }
-
     /// All buffers of a render. Area points are those of the first pass.
     pub fn buffers(&self) -> Vec<Buffer> {
         let mut all = scene_buffers(self.scene, self.plan, &self.machine);
@@ -175,7 +169,7 @@ impl<'a> Needs<'a> {
     }
 }
 
-/// How a device is expected to cut the maps.
+/// How a device is expected to cut the maps, before its own pilot: how many jotons lanes store is an estimate.
 pub fn expected_shapes(scene: &PackedScene, plan: &Plan, machine: Machine, traffic: &Traffic) -> Shapes {
     let shape = |kind, emitted: u32| {
         let of = |n| Shape::expected(n, &traffic.of(kind), scene.triangles.len(), &machine);
