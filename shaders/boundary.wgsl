@@ -3,7 +3,7 @@
 // disc loses at an edge or in a corner neither darkens nor bends the estimate.
 // reads  tiles, map_info, gather_points, area_points (bucket order), area_starts, clips (passes)
 // writes  fits, edges (pilot: 1 cut, 2 other surfaces near; passes read the first)
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/live.wgsl
 // import: shared/sampling.wgsl
 // import: shared/grid.wgsl
@@ -35,12 +35,12 @@ const PILOT_REACH: f32 = 1.15;
 const AMPLIFICATION_MAX: f32 = 20.0;
 
 fn edge_near(pixel: u32) -> bool {
-    let x0 = pixel % pass_info.width;
-    let y0 = pixel / pass_info.width;
+    let rows = rows_about(pixel);
+    let columns = columns_about(pixel);
     var near = 0u;
-    for (var y = max(y0, 1u) - 1u; y <= min(y0 + 1u, pass_info.height - 1u); y += 1u) {
-        for (var x = max(x0, 1u) - 1u; x <= min(x0 + 1u, pass_info.width - 1u); x += 1u) {
-            near |= edges[y * pass_info.width + x];
+    for (var y = rows.x; y <= rows.y; y += 1u) {
+        for (var x = columns.x; x <= columns.y; x += 1u) {
+            near |= edges[held(y * pass_info.width + x)];
         }
     }
     return (near & EDGE_CUT) != 0u;
@@ -51,7 +51,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let lanes = lanes_here();
     let pixel = live_pixel(linear_index(id, groups));
     let is_pixel = pixel != NO_PIXEL;
-    let point = gather_points[select(0u, pixel, is_pixel)];
+    let at = select(0u, held(pixel), is_pixel);
+    let point = gather_points[at];
     let pilot = pass_info.pass_index == PILOT_PASS;
     let r = map_info.radius * select(1.0, PILOT_REACH, pilot);
     let disc = PI * r * r;
@@ -63,7 +64,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if !pilot && is_here {
         walls = walls_about(pixel, point.position, normal, r);
         if direct_view && all(walls.planes[0].xyz == vec3(0.0)) && !edge_near(pixel) {
-            fits[pixel] = Fit(vec4(1.0 / disc, 0.0, 0.0, 0.0));
+            fits[at] = Fit(vec4(1.0 / disc, 0.0, 0.0, 0.0));
             is_here = false;
         }
     }
@@ -147,7 +148,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if pilot {
         // mirrors have no area points, and --paths must not change what is found; and where pixels are large the pilot's point does not speak for the others
         others = others || SPECULAR_BODIES || pixel_footprint(point, pass_info.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
-        edges[pixel] = edge | select(0u, EDGE_OTHERS, others);
+        edges[at] = edge | select(0u, EDGE_OTHERS, others);
     }
-    fits[pixel] = Fit(c);
+    fits[at] = Fit(c);
 }

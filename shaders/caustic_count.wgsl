@@ -1,6 +1,6 @@
 // Caustic count: how many jotons of the pilot pass lie in the largest disc of each gather point.
 // reads  map_info, gather_points, sorted_jotons, bucket_starts      writes  counts (−1 where there is no gather point)
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/sampling.wgsl
 // import: shared/grid.wgsl
 
@@ -15,13 +15,13 @@ override RADIUS_FOOTPRINTS: f32 = 4.0;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let pixel = strip_pixel(linear_index(id, groups));
+    if pixel == NO_PIXEL {
         return;
     }
-    let point = gather_points[pixel];
+    let point = gather_points[held(pixel)];
     if max(point.throughput.x, max(point.throughput.y, point.throughput.z)) <= 0.0 {
-        counts[pixel] = -1.0;
+        counts[held(pixel)] = -1.0;
         return;
     }
     let r = min(map_info.radius, RADIUS_FOOTPRINTS * point.path_length * pass_info.pixel_angle);
@@ -41,5 +41,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             }
         }
     }
-    counts[pixel] = count;
+    counts[held(pixel)] = count;
 }

@@ -2,7 +2,7 @@
 // though the surface goes on there: a partition that stands on a floor. The pilot sends a few rays along the surface; what
 // they meet at a steep angle within the disc are walls. Passes keep to the gather point's side of the nearest two.
 // reads  nodes, triangles, materials, map_info, gather_points, edges (1: cut, 2: other surfaces near)   writes  clips, status
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/sampling.wgsl
 // import: shared/intersect.wgsl
 // import: shared/clip.wgsl
@@ -19,13 +19,13 @@
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = linear_index(id, groups);
-    if pixel >= pass_info.width * pass_info.height {
+    let pixel = strip_pixel(linear_index(id, groups));
+    if pixel == NO_PIXEL {
         return;
     }
     var clip = Clip(vec4(0.0), vec4(0.0));
-    if edges[pixel] != 0u {
-        let point = gather_points[pixel];
+    if edges[held(pixel)] != 0u {
+        let point = gather_points[held(pixel)];
         let normal = decode_direction(point.normal);
         let frame = basis(normal);
         // the pixel's other gather points lie about this one
@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             if hit.triangle == MISS {
                 continue;
             }
-            let t = triangles[hit.triangle];
+            let t = triangle_at(hit.triangle);
             // light goes through glass
             if (materials[t.material].flag_bits & DIELECTRIC) != 0u {
                 continue;
@@ -56,5 +56,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
         }
     }
-    clips[pixel] = clip;
+    clips[held(pixel)] = clip;
 }

@@ -3,7 +3,7 @@
 // each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas 1995).
 // reads  scene, tiles, gather_points, path_filter      writes  film_direct, status
 // import: shared/features.wgsl
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/live.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
@@ -87,7 +87,7 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
     if hit.triangle == MISS {
         return Bands(0.0);
     }
-    let t = triangles[hit.triangle];
+    let t = triangle_at(hit.triangle);
     let front = normalize(cross(t.e1, t.e2));
     if t.emitter == NO_EMITTER || dot(wi, front) >= 0.0 {
         return Bands(0.0);
@@ -105,7 +105,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if pixel == NO_PIXEL {
         return;
     }
-    let point = gather_points[pixel];
+    let point = gather_points[held(pixel)];
     let chain = (point.surface >> 24u) & 63u;
     if max_band(point.throughput) <= 0.0
         || (HAS_PATH_FILTER && !path_wanted(path_step(PATH_START, EVENT_D), chain)) {
@@ -183,5 +183,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    film_direct[pixel] += vec4(point.throughput * sum / f32(pass_info.shadow_rays), 0.0);
+    film_direct[held(pixel)] += vec4(point.throughput * sum / f32(pass_info.shadow_rays), 0.0);
 }

@@ -2,7 +2,7 @@
 // Emission that is met on the way goes to the film (E S* L), but where the glint kernel sees to it.
 // reads  scene, tiles, path_filter      writes  gather_points, film_emission, status
 // import: shared/features.wgsl
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/live.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
@@ -30,7 +30,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let sample = sequence_index(index);
     let jitter = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
     let choices = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
-    let flags = gather_points[pixel].pixel_flags;
+    let flags = gather_points[held(pixel)].pixel_flags;
     var origin = pass_info.eye;
     var direction = camera_direction(pixel, jitter);
     var throughput = Bands(1.0);
@@ -108,8 +108,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    gather_points[pixel] = point;
+    gather_points[held(pixel)] = point;
     if (flags & PIXEL_GLINT) == 0u {
-        film_emission[pixel] += vec4(emission, 0.0);
+        film_emission[held(pixel)] += vec4(emission, 0.0);
     }
 }

@@ -4,7 +4,7 @@
 // reads  tiles, map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits, clips
 // writes  film, status
 // import: shared/features.wgsl
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/live.wgsl
 // import: shared/grid.wgsl
 // import: shared/lanes.wgsl
@@ -35,9 +35,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     // lanes without a gather point go along and find nothing
-    let point = gather_points[min(pixel, pass_info.width * pass_info.height - 1u)];
+    let at = select(0u, held(pixel), pixel != NO_PIXEL);
+    let point = gather_points[at];
     let is_here = pixel != NO_PIXEL && max_band(point.throughput) > 0.0;
-    let fit = fits[min(pixel, pass_info.width * pass_info.height - 1u)].c;
+    let fit = fits[at].c;
     var r = map_info.radius;
     if CAUSTIC {
         r = min(r, fit.x * sqrt(map_info.shrink));
@@ -118,5 +119,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if !is_glossy {
         sum *= materials[material].diffuse / PI;
     }
-    film[pixel] += vec4(point.throughput * sum, 0.0);
+    film[at] += vec4(point.throughput * sum, 0.0);
 }

@@ -3,7 +3,7 @@
 // instead of by every twenty-fifth. Only for pixels that the pilot marked; the eye kernel leaves these to us.
 // reads  scene, tiles, path_filter, gather_points (its pixel flags)      writes  film (emission; counts in the pilot), status
 // import: shared/features.wgsl
-// import: shared/index.wgsl
+// import: shared/strip.wgsl
 // import: shared/live.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
@@ -110,7 +110,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let pilot = pass_info.pass_index == PILOT_PASS;
-    if !pilot && (gather_points[pixel].pixel_flags & PIXEL_GLINT) == 0u {
+    if !pilot && (gather_points[held(pixel)].pixel_flags & PIXEL_GLINT) == 0u {
         return;
     }
     let sample = sequence_index(index);
@@ -133,7 +133,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
         }
         let all = lit_directly == chains;
-        film[pixel] = vec4(select(select(0.0, 1.0, lit > 0u), 2.0, all), 0.0, 0.0, 0.0);
+        film[held(pixel)] = vec4(select(select(0.0, 1.0, lit > 0u), 2.0, all), 0.0, 0.0, 0.0);
         return;
     }
     let rays_before = atomicAdd(&status[STATUS_RAYS], rays);
@@ -143,5 +143,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    film[pixel] += vec4(emission / f32(chains), 0.0);
+    film[held(pixel)] += vec4(emission / f32(chains), 0.0);
 }

@@ -9,13 +9,17 @@ use crate::rest::Rest;
 /// the files (75), the backend's own state.
 const BYTES_PER_PIXEL: u64 = 616;
 
+/// Bytes of host memory for an image.
+pub fn host_bytes(size: [u32; 2]) -> u64 {
+    (u64::from(size[0]) * u64::from(size[1])).saturating_mul(BYTES_PER_PIXEL)
+}
+
 /// Refuse an image that does not fit the memory that is left, before any of it is taken.
 ///
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2]) -> Result<()> {
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let need = pixels.saturating_mul(BYTES_PER_PIXEL);
+    let need = host_bytes(size);
     // pixels and jotons are numbered in 32 bits, with a few to spare
     let limit = crate::memory::available().unwrap_or(u64::MAX).min(BYTES_PER_PIXEL << 28);
     if need > limit {

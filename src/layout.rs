@@ -75,12 +75,29 @@ gpu_struct! {
         pub targets: u32,
         /// Light samples of which one gets a shadow ray.
         pub light_candidates: u32,
+        /// First row that is rendered.
+        pub first_row: u32,
+        /// Rows that are rendered.
+        pub rows: u32,
+        /// First row that the buffers hold.
+        pub held_first: u32,
+        /// Rows that the buffers hold.
+        pub held_rows: u32,
         /// Padding.
         pub pad0: u32,
         /// Padding.
         pub pad1: u32,
         /// Padding.
         pub pad2: u32,
+    }
+}
+
+impl PassInfo {
+    /// All of an image of this size, in one strip.
+    pub fn set_image(&mut self, [width, height]: [u32; 2]) {
+        (self.width, self.height) = (width, height);
+        (self.first_row, self.rows) = (0, height);
+        (self.held_first, self.held_rows) = (0, height);
     }
 }
 
@@ -148,6 +165,9 @@ gpu_struct! {
         pub pixel_flags: u32,
     }
 }
+
+/// Pixels across and down a workgroup's tile.
+pub use crate::rest::TILE;
 
 /// Bit of [`GatherPoint::pixel_flags`]: emission in this pixel is the glint kernel's.
 pub const PIXEL_GLINT: u32 = 1;
@@ -333,7 +353,6 @@ pub fn constants() -> String {
         EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS,
         WARP_WORDS,
     };
-    use crate::rest::TILE;
     use std::fmt::Write;
     let mut s = String::new();
     let mut u =
@@ -359,6 +378,7 @@ pub fn constants() -> String {
     u("UNSEEN_STORED", UNSEEN_STORED);
     u("BACK_SIDE", BACK_SIDE);
     u("PIXEL_GLINT", PIXEL_GLINT);
+    u("TILE", TILE);
     u("STATUS_UNFINISHED", status::UNFINISHED);
     u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
     u("STATUS_LOOP_CUT", status::LOOP_CUT);
@@ -377,7 +397,6 @@ pub fn constants() -> String {
     u("TRAVERSAL_STACK", TRAVERSAL_STACK);
     u("ROW_FACTOR_Y", ROW_FACTORS[0]);
     u("ROW_FACTOR_Z", ROW_FACTORS[1]);
-    u("TILE", TILE);
     u("TILES_VECTORS", TILES_VECTORS);
     u("TILE_BITS", TILE_BITS);
     u("TILE_MASK", (1 << TILE_BITS) - 1);

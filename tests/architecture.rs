@@ -20,9 +20,9 @@ const ARROWS: [(&str, &[&str]); 26] = [
     ("render", &["halves", "quiet", "backend", "film", "rest"]),
     ("halves", &["film", "rest"]),
     ("quiet", &["film", "rest"]),
-    ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng", "rest"]),
+    ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng", "rest", "memory"]),
     ("cpu", &["backend", "plan", "optics", "layout", "pack", "film", "paths", "rng", "rest"]),
-    ("plan", &["optics", "pack", "paths", "film", "rng"]),
+    ("plan", &["optics", "layout", "pack", "paths", "film", "rng"]),
     ("optics", &["layout", "pack"]),
     ("backend", &["film", "rest"]),
     // up: structs are declared by layout's macro

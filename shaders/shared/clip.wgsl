@@ -1,4 +1,5 @@
 // A disc that walls cut: what lies behind their planes does not count. Planes are n, n · v, and all zero where there is none.
+// import: shared/strip.wgsl
 
 // Walls of a gather point, the nearer one first.
 struct Walls {
@@ -41,18 +42,18 @@ fn no_walls(r: f32) -> Walls {
 // in the pixel, or this one elsewhere, in a mirror, the neighbours know better.
 fn walls_about(pixel: u32, p: vec3<f32>, normal: vec3<f32>, r: f32) -> Walls {
     var walls = no_walls(r);
-    let own = clips[pixel];
+    let own = clips[held(pixel)];
     if is_steep(own.first, normal) && is_steep(own.second, normal) {
         walls = with_clip(walls, own, p, normal, r);
     }
     if any(walls.planes[0].xyz != vec3(0.0)) {
         return walls;
     }
-    let x0 = pixel % pass_info.width;
-    let y0 = pixel / pass_info.width;
-    for (var y = max(y0, 1u) - 1u; y <= min(y0 + 1u, pass_info.height - 1u); y += 1u) {
-        for (var x = max(x0, 1u) - 1u; x <= min(x0 + 1u, pass_info.width - 1u); x += 1u) {
-            walls = with_clip(walls, clips[y * pass_info.width + x], p, normal, r);
+    let rows = rows_about(pixel);
+    let columns = columns_about(pixel);
+    for (var y = rows.x; y <= rows.y; y += 1u) {
+        for (var x = columns.x; x <= columns.y; x += 1u) {
+            walls = with_clip(walls, clips[held(y * pass_info.width + x)], p, normal, r);
         }
     }
     return walls;

@@ -1,4 +1,5 @@
 // Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
+// import: shared/triangles.wgsl
 // reads  nodes, triangles        counts  steps: loop iterations of this invocation        tells  traversal_cut
 
 struct Hit {
@@ -104,9 +105,10 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             let bit = firstLeadingBit(leaf.y);
             leaf.y &= ~(1u << bit);
             let index = leaf.x + bit;
-            let v0 = triangles[index].v0;
-            let e1 = triangles[index].e1;
-            let e2 = triangles[index].e2;
+            let corners = triangle_corners(index);
+            let v0 = corners.v0;
+            let e1 = corners.e1;
+            let e2 = corners.e2;
             let p = cross(direction, e2);
             let inv_det = 1.0 / dot(e1, p);
             let s = origin - v0;

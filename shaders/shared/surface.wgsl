@@ -14,7 +14,7 @@ struct Surface {
 }
 
 fn surface_at(hit: Hit) -> Surface {
-    let t = triangles[hit.triangle];
+    let t = triangle_at(hit.triangle);
     let front = normalize(cross(t.e1, t.e2));
     var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter);
     if HAS_SMOOTH && (t.flags & SMOOTH) != 0u {

@@ -1,7 +1,7 @@
 //! `joton bench SCENE…`: error over time on each device.
 
 use super::versus::{Peer, Versus};
-use super::{DONE, INTERRUPTED, device, say, tell};
+use super::{DONE, INTERRUPTED, device, memory, say, tell};
 use clap::Args;
 use joton::bench::{Row, Subject, Summary, error_plot, measure, runs_csv, summary_csv};
 use joton::film::{Image, check_memory};
@@ -42,6 +42,9 @@ pub(super) struct BenchArguments {
     /// Image size, instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
     size: Option<[u32; 2]>,
+    /// Memory of a device's buffers, at most, as for `joton render`.
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
     /// Light paths to render, as for `joton render`.
     #[arg(long, value_name = "EXPR")]
     paths: Option<String>,
@@ -151,7 +154,7 @@ fn measure_all(
                 plan.settings.seed = seed;
                 let reference = device == "cpu-reference";
                 let name = if reference { "cpu" } else { device };
-                let (backend, line) = device::open(name, reference, &scene.packed, &plan)?;
+                let (backend, line, _) = device::open(name, reference, &scene.packed, plan)?;
                 if seed == 0 {
                     tell(format_args!("joton: {}: {line}", scene.name));
                 }
@@ -209,7 +212,8 @@ fn load(
         let what = format!("{}: has {of_scene} pixels, its reference {of_reference}", file.display());
         return Err(Error::usage(what, format!("add --size {of_reference}")));
     }
-    let mut settings = Settings { keep: super::render::kept(&a.no_skip)?, ..Settings::default() };
+    let keep = super::render::kept(&a.no_skip)?;
+    let mut settings = Settings { keep, memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }

@@ -8,42 +8,43 @@ use joton::plan::Plan;
 use joton::{Error, Result};
 use std::sync::Arc;
 
-/// Open the device that `--device` names and set it up for a scene; with one line that says which it is.
-pub(super) fn open(
-    device: &str,
-    reference: bool,
-    scene: &Arc<PackedScene>,
-    plan: &Plan,
-) -> Result<(Box<dyn Backend>, String)> {
-    let gpu = |name: Option<&str>| -> Result<Box<dyn Backend>> {
-        let context = Context::open(name)?;
-        Ok(Box::new(GpuBackend::new(context, Arc::clone(scene), plan.clone())?))
-    };
+/// A device, one line that says which it is, and the plan as the device could keep it.
+type Opened = (Box<dyn Backend>, String, Plan);
+
+/// Open the device that `--device` names and set it up for a scene.
+pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan: Plan) -> Result<Opened> {
     if reference && device != "cpu" {
         return Err(Error::usage("--reference is the path tracer on the CPU", "add --device cpu"));
     }
-    let (backend, why): (Box<dyn Backend>, &str) = match device {
-        "cpu" => return cpu(reference, scene, plan),
-        "gpu" => (gpu(None)?, ""),
-        "auto" => match gpu(None) {
-            Ok(backend) => (backend, ""),
-            Err(e) => {
-                let (backend, line) = cpu(false, scene, plan)?;
-                return Ok((backend, format!("{line}, because the GPU cannot be used: {e}")));
-            }
-        },
-        name => (gpu(Some(name))?, ""),
-    };
-    let line = format!("{}{why}", backend.describe());
-    Ok((backend, line))
+    match device {
+        "cpu" => Ok(cpu(reference, scene, plan)),
+        "gpu" => gpu(None, scene, &plan),
+        "auto" => gpu(None, scene, &plan).or_else(|e| {
+            let (backend, line, plan) = cpu(false, scene, plan);
+            Ok((backend, format!("{line}, because the GPU cannot be used: {e}"), plan))
+        }),
+        name => gpu(Some(name), scene, &plan),
+    }
 }
 
-fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Result<(Box<dyn Backend>, String)> {
-    let backend: Box<dyn Backend> = if reference {
-        Box::new(PathTracer::new(Arc::clone(scene), plan.clone()))
-    } else {
-        Box::new(CpuBackend::new(Arc::clone(scene), plan.clone()))
-    };
+fn gpu(name: Option<&str>, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Opened> {
+    let backend = GpuBackend::new(Context::open(name)?, Arc::clone(scene), wanted.clone())?;
+    let (strips, plan) = (backend.needs().strips.count(), backend.needs().plan.clone());
+    let mut line = backend.describe();
+    if strips > 1 {
+        line += &format!(", {strips} strips of the image after each other");
+    }
+    let jotons = |p: &Plan| p.caustic_jotons + p.diffuse_jotons;
+    if jotons(&plan) < jotons(wanted) {
+        line += &format!(", {} jotons a pass instead of {}", jotons(&plan), jotons(wanted));
+    }
+    Ok((Box::new(backend), line, plan))
+}
+
+fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: Plan) -> Opened {
+    let (scene, own) = (Arc::clone(scene), plan.clone());
+    let backend: Box<dyn Backend> =
+        if reference { Box::new(PathTracer::new(scene, own)) } else { Box::new(CpuBackend::new(scene, own)) };
     let line = backend.describe();
-    Ok((backend, line))
+    (backend, line, plan)
 }

@@ -5,6 +5,7 @@ mod compare;
 mod device;
 mod devices;
 mod export;
+mod memory;
 mod plan;
 mod render;
 mod versus;

@@ -1,9 +1,14 @@
 //! `joton plan SCENE`: what the scene needs, what is skipped and why.
 
+use super::memory::{self, mebibytes};
 use super::{DONE, say};
 use clap::Args;
 use joton::film::Layer;
 use joton::pack::PackedScene;
+use joton::plan::buffers::{Buffer, Needs, expected_shapes, fit};
+use joton::plan::kernels::Kernel;
+use joton::plan::shape::Machine;
+use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
 use joton::{Error, Result};
 use serde_json::json;
@@ -20,6 +25,9 @@ pub(super) struct PlanArguments {
     /// Do what the scene does not need, too: all, or names as they are told here.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
+    /// Memory of the device's buffers, at most, e.g. 512M.
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -28,11 +36,20 @@ pub(super) struct PlanArguments {
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let scene = joton::scene::load(&a.scene)?;
     let packed = PackedScene::new(&scene);
-    let mut settings = Settings { keep: super::render::kept(&a.no_skip)?, ..Settings::default() };
+    let keep = super::render::kept(&a.no_skip)?;
+    let mut settings = Settings { keep, memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
-    let plan = Plan::new(&packed, settings);
+    let mut plan = Plan::new(&packed, settings);
+    let traffic = Traffic::look(&packed, &plan);
+    let machine = Machine::REFERENCE;
+    let mut shapes = expected_shapes(&packed, &plan, machine, &traffic);
+    let strips = fit(&packed, &mut plan, &mut shapes, machine)?;
+    let needs = Needs { scene: &packed, plan: &plan, machine, shapes, strips };
+    let (kernels, buffers) = (needs.kernels(&traffic), needs.buffers());
+    let milliseconds: f64 = kernels.iter().map(|k| k.milliseconds).sum();
+    let bytes: u64 = buffers.iter().map(|b| b.bytes).sum();
     let scale = packed.world_scale;
     let layers: Vec<&str> = Layer::ALL.into_iter().filter(|&l| plan.traces(l)).map(Layer::name).collect();
     if a.json {
@@ -46,6 +63,11 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "warps": plan.guides.caustic.warps().len() + plan.guides.diffuse.warps().len(),
             "caustic_radius": plan.caustic.base * scale,
             "diffuse_radius": plan.diffuse.base * scale,
+            "strips": strips.count(),
+            "kernels": kernels,
+            "milliseconds": milliseconds,
+            "buffers": buffers,
+            "bytes": bytes,
             "skipped": plan.skipped,
             "warnings": scene.warnings,
         });
@@ -74,9 +96,22 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             say(format_args!("{what}: lamps picked by what the camera can use, {warps} of them warped"));
         }
     }
+    if strips.count() > 1 {
+        say(format_args!("image: {} strips of {} rows, one after the other", strips.count(), strips.rows));
+    }
     if plan.traces(Layer::Direct) {
         say(format_args!("direct light: {} shadow rays a pixel and pass", plan.settings.shadow_rays));
     }
+    say(format_args!(
+        "\nkernels of a pass, about {milliseconds:.0} ms on two cores with lavapipe; all but names and numbers of dispatches is estimated"
+    ));
+    table(
+        ["kernel", "dispatches", "invocations", "rays", "tests", "MB moved", "ms"],
+        kernels.iter().map(kernel_line),
+    );
+    say(format_args!("\nbuffers, {} together; how many jotons lanes store is estimated", mebibytes(bytes)));
+    table(["buffer", "bytes", "holds"], buffers.iter().map(buffer_line));
+    say("");
     for s in &plan.skipped {
         let (what, name, why, back) = (s.what.words(), s.what.name(), s.why.words(), s.why.back());
         say(format_args!("skipped {what} ({name}): {why}; back with {back}"));
@@ -85,4 +120,35 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         say(format_args!("warning {w}"));
     }
     Ok(DONE)
+}
+
+/// Cells of a kernel's line.
+fn kernel_line(k: &Kernel) -> [String; 7] {
+    let name = k.map.map_or(k.name.to_string(), |map| format!("{} ({map})", k.name));
+    let megabytes = k.bytes as f64 * 1e-6;
+    let [dispatches, invocations, rays, tests] =
+        [k.dispatches, k.invocations, k.rays, k.tests].map(|n| n.to_string());
+    [name, dispatches, invocations, rays, tests, format!("{megabytes:.2}"), format!("{:.2}", k.milliseconds)]
+}
+
+/// Cells of a buffer's line.
+fn buffer_line(b: &Buffer) -> [String; 3] {
+    [b.name.to_string(), b.bytes.to_string(), b.holds.to_string()]
+}
+
+/// Print lines of cells in columns: numbers to the right.
+fn table<const N: usize>(heads: [&str; N], lines: impl Iterator<Item = [String; N]>) {
+    let lines: Vec<[String; N]> = [heads.map(String::from)].into_iter().chain(lines).collect();
+    let widths: [usize; N] = std::array::from_fn(|i| lines.iter().map(|l| l[i].len()).max().unwrap_or(0));
+    let is_number = |i: usize| lines.iter().skip(1).all(|l| l[i].parse::<f64>().is_ok());
+    let right: [bool; N] = std::array::from_fn(is_number);
+    for line in &lines {
+        let cells: Vec<String> = (0..N)
+            .map(|i| {
+                let width = widths[i];
+                if right[i] { format!("{:>width$}", line[i]) } else { format!("{:<width$}", line[i]) }
+            })
+            .collect();
+        say(format_args!("  {}", cells.join("  ").trim_end()));
+    }
 }

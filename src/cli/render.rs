@@ -1,6 +1,6 @@
 //! `joton render SCENE`.
 
-use super::{DONE, INTERRUPTED, device, tell};
+use super::{DONE, INTERRUPTED, device, memory, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use joton::backend::Backend;
@@ -56,6 +56,9 @@ pub(super) struct RenderArguments {
     /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
+    /// Memory of the device's buffers, at most, e.g. 512M or 2G [default: what the device allows and the machine has free].
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
     /// Exposure of PNG files: auto, or a number of stops.
     #[arg(long, default_value = "auto", allow_negative_numbers = true)]
     exposure: display::Exposure,
@@ -81,8 +84,8 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         kind_of(path)?;
     }
     check_outputs(&a.scene, outputs.iter().chain(&a.report))?;
-    let keep = kept(&a.no_skip)?;
-    let mut settings = Settings { seed: a.seed, shadow_rays: a.shadow_rays, keep, ..Settings::default() };
+    let (seed, shadow_rays, memory, keep) = (a.seed, a.shadow_rays, a.memory, kept(&a.no_skip)?);
+    let mut settings = Settings { seed, shadow_rays, memory, keep, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }
@@ -101,7 +104,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     film::check_memory(scene.size)?;
     let packed = Arc::new(PackedScene::new(&scene));
     let plan = Plan::new(&packed, settings);
-    let (mut backend, device) = device::open(&a.device, a.reference, &packed, &plan)?;
+    let (mut backend, device, plan) = device::open(&a.device, a.reference, &packed, plan)?;
     say(&device);
     if a.timings {
         backend.measure_kernels();

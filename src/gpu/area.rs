@@ -1,14 +1,15 @@
 //! The area points' grid: scattered on the host, sorted into the same kind of hashed grid as the jotons.
 
-use super::scene_buffers::encode_area_point;
+use super::GpuBackend;
+use super::scene_buffers::{self, encode_area_point};
+use crate::error::Result;
 use crate::layout::{AreaPoint, CELLS_PER_RADIUS, row_bucket};
 use crate::pack::{PackedScene, scatter_area_points};
+use crate::plan::area_group;
+use crate::plan::buffers::{AREA_KEY_BITS, AREA_STARTS, area_points, area_points_most, area_points_wanted};
+use crate::rng::sequence_seed;
 use glam::Vec3;
-
-/// Area points that fall into a whole disc.
-const POINTS_PER_DISC: f64 = 150.0;
-/// Most area points: memory and set-up time end somewhere; the fit only gets noisier.
-pub(super) const AREA_POINTS_MAX: usize = 1 << 21;
+use std::ops::Range;
 
 /// Area points in bucket order with the table of their grid.
 pub(super) struct AreaGrid {
@@ -26,28 +27,16 @@ pub(super) struct AreaGrid {
     pub columns: u32,
 }
 
-/// Bits of a bucket's number.
-const KEY_BITS: u32 = 17;
-/// Entries of the bucket table.
-pub(super) const AREA_STARTS: usize = (1 << KEY_BITS) + 2;
-
-/// How many points discs of this radius want.
-pub(super) fn points_wanted(scene: &PackedScene, radius: f64) -> usize {
-    let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
-    ((POINTS_PER_DISC * discs) as usize).clamp(1, AREA_POINTS_MAX)
-}
-
 /// Stream of the scatter's seeds; those of the kernels lie below.
-pub(super) const STREAM_AREA: u32 = 0x100;
+const STREAM_AREA: u32 = 0x100;
 
-/// Scatter and sort points for discs of the largest to the smallest of `radii`: cells follow the one, numbers the other.
-pub(super) fn build(scene: &PackedScene, radii: [f64; 2], seed: u32) -> AreaGrid {
-    let [radius, smallest] = radii;
-    let (points, each) = scatter_area_points(scene, points_wanted(scene, smallest), seed);
+/// Scatter and sort about `count` points for discs of at most this radius.
+pub(super) fn build(scene: &PackedScene, radius: f64, count: usize, seed: u32) -> AreaGrid {
+    let (points, each) = scatter_area_points(scene, count, seed);
     let extent = scene.bounds[1] - scene.bounds[0];
     let cells_per_unit = (CELLS_PER_RADIUS / radius as f32).min(30_000.0 / extent.max_element());
     let columns = (extent.x * cells_per_unit) as u32 + 1;
-    let row_mask = (1u32 << ((1u32 << KEY_BITS) - columns).ilog2()) - 1;
+    let row_mask = (1u32 << ((1u32 << AREA_KEY_BITS) - columns).ilog2()) - 1;
     let key = |p: Vec3| {
         // the same arithmetic as shaders/shared/grid.wgsl
         let cell = ((p - scene.bounds[0]) * cells_per_unit).floor().as_ivec3();
@@ -68,4 +57,50 @@ pub(super) fn build(scene: &PackedScene, radii: [f64; 2], seed: u32) -> AreaGrid
         next[k as usize] += 1;
     }
     AreaGrid { points: sorted, starts, each, cells_per_unit, row_mask, columns }
+}
+
+/// The area points that are on the device.
+pub(super) struct AreaState {
+    /// The passes that they are for.
+    group: Range<u64>,
+    pub(super) each: f32,
+    pub(super) cells_per_unit: f32,
+    pub(super) row_mask: u32,
+    pub(super) columns: u32,
+}
+
+impl GpuBackend {
+    /// Put on the device the area points of the group of passes that `pass` belongs to. They depend on the group and the
+    /// seed, not on what was rendered before: passes stay independent.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where binding the new buffer fails.
+    pub(super) fn renew_area_points(&mut self, pass: u64) -> Result<()> {
+        let group = area_group(pass);
+        if self.area.as_ref().is_some_and(|a| a.group == group) {
+            return Ok(());
+        }
+        // cells are as wide as the largest disc of the group, points as dense as its smallest wants them
+        let [largest, smallest] = [group.start, group.end - 1].map(|pass| self.plan.diffuse.radius(pass));
+        let most = area_points_most(self.plan.settings.memory);
+        let count = area_points_wanted(&self.scene, smallest, most);
+        let seed = sequence_seed(self.plan.settings.seed, group.start as u32, STREAM_AREA);
+        let grid = build(&self.scene, largest, count, seed);
+        let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
+        if self.buffers["area_points"].size() < bytes.len() as u64 {
+            let size = area_points(count, most).bytes;
+            self.buffers.insert("area_points", scene_buffers::storage(&self.context, "area_points", size));
+            self.bind()?;
+        }
+        self.context.queue.write_buffer(&self.buffers["area_points"], 0, bytes);
+        self.context.queue.write_buffer(&self.buffers["area_starts"], 0, bytemuck::cast_slice(&grid.starts));
+        self.area = Some(AreaState {
+            group,
+            each: grid.each,
+            cells_per_unit: grid.cells_per_unit,
+            row_mask: grid.row_mask,
+            columns: grid.columns,
+        });
+        Ok(())
+    }
 }

@@ -1,6 +1,7 @@
 //! Context: the adapters of this machine and an open device.
 
 use crate::error::{Error, Result};
+use crate::plan::shape::Machine;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
@@ -107,6 +108,16 @@ impl Context {
     /// True for a device that runs on the host's processor (lavapipe, SwiftShader).
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// What sizes follow from.
+    pub fn machine(&self) -> Machine {
+        Machine {
+            is_software: self.is_software(),
+            storage_binding: self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size),
+            uniform_binding: self.limits.max_uniform_buffer_binding_size,
+            storage_buffers: self.limits.max_storage_buffers_per_shader_stage,
+        }
     }
 
     /// True where kernels may use subgroup operations.

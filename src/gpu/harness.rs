@@ -2,15 +2,17 @@
 
 use super::context::Context;
 use super::kernel::{Buffers, Kernel};
-use super::map::{Kind, Map, MapKernels, Shape};
+use super::map::{Map, MapKernels};
 use super::recorder::Recorder;
-use super::ring::{RING_BYTES, Ring};
+use super::ring::Ring;
 use super::scene_buffers;
 use super::tiles::{self, TILES_PER_DISPATCH, Tiles};
 use crate::error::Result;
 use crate::layout::MapInfo;
 use crate::pack::PackedScene;
 use crate::plan::Plan;
+use crate::plan::buffers::{Buffer, RING_BYTES, area_points_most, area_points_wanted, map_buffers};
+use crate::plan::shape::{Kind, Shape};
 use crate::rest::Rest;
 use bytemuck::Pod;
 use std::collections::HashMap;
@@ -127,10 +129,10 @@ impl<'a> Harness<'a> {
             lane_capacity: info.lane_capacity,
             dispatches: 0,
         };
-        for (name, size) in super::map::buffer_sizes(&[shape], self.context.is_software()) {
+        for Buffer { name, bytes, .. } in map_buffers(&[shape], &self.context.machine()) {
             if !self.buffers.contains_key(name) {
                 // a pattern that is neither zero nor a valid index shows what was never written
-                self.storage(name, &vec![PATTERN; size.div_ceil(4) as usize]);
+                self.storage(name, &vec![PATTERN; bytes.div_ceil(4) as usize]);
             }
         }
         self.storage("status", &[0u32; crate::layout::status::SLOTS as usize]);
@@ -142,7 +144,8 @@ impl<'a> Harness<'a> {
             &[],
         )?;
         let kernels = MapKernels::new(self.context)?;
-        let map = Map::new(self.context, Kind::Diffuse, shape, &nothing, &kernels, &self.buffers)?;
+        let names = [("sorted_jotons", "sorted_jotons"), ("bucket_starts", "bucket_starts")];
+        let map = Map::new(self.context, Kind::Diffuse, shape, &nothing, &kernels, &names, &self.buffers)?;
         let mut recorder = Recorder::new(self.context, &mut self.ring, None);
         map.record(&mut recorder, 0, info);
         recorder.submit(self.context, &self.buffers["ring"]);
@@ -172,7 +175,8 @@ impl Harness<'_> {
     /// Scatter area points on a scene's diffuse surfaces for discs of this radius; fills the buffers area_points and
     /// area_starts and says in `info` how they are cut.
     pub fn area_points(&mut self, scene: &PackedScene, radius: f64, seed: u32, info: &mut MapInfo) {
-        let grid = super::area::build(scene, [radius; 2], seed);
+        let count = area_points_wanted(scene, radius, area_points_most(None));
+        let grid = super::area::build(scene, radius, count, seed);
         self.storage("area_points", &grid.points);
         self.storage("area_starts", &grid.starts);
         info.area_each = grid.each;

@@ -2,10 +2,10 @@
 //! to a kernel.
 
 use super::context::Context;
-use super::ring::RING_BYTES;
 use super::scene_buffers;
 use super::shaders::{self, Variant};
 use crate::error::{Error, Result};
+use crate::plan::buffers::RING_BYTES;
 use std::collections::HashMap;
 
 /// A compiled kernel.
@@ -73,6 +73,9 @@ pub struct Step {
 /// Says among the overrides that the scene lies in uniform buffers; it chooses the text, not a value in it.
 pub(super) const SMALL_SCENE: &str = "SMALL_SCENE";
 
+/// Says among the overrides that the triangles lie in parts, and how large these are.
+pub(super) const TRIANGLES_PART: &str = "TRIANGLES_PART";
+
 /// Workgroup size of every kernel.
 const WORKGROUP: u32 = 64;
 /// Workgroups in one dimension of a dispatch.
@@ -86,7 +89,8 @@ impl Kernel {
     /// [`Error::Device`] where the shader does not compile.
     pub fn new(context: &Context, path: &str, entry: &str, overrides: &[(&str, f64)]) -> Result<Self> {
         let small_scene = overrides.iter().any(|(name, value)| *name == SMALL_SCENE && *value != 0.0);
-        let variant = Variant { subgroups: context.has_subgroups(), small_scene };
+        let split_scene = overrides.iter().any(|(name, _)| *name == TRIANGLES_PART);
+        let variant = Variant { subgroups: context.has_subgroups(), small_scene, split_scene };
         Self::from_source(context, path, &shaders::link(path, variant)?, entry, overrides)
     }
 

@@ -3,10 +3,12 @@
 use super::context::Context;
 use super::kernel::{Buffers, Kernel, Step};
 use super::recorder::Recorder;
-use crate::error::{Error, Result};
-use crate::layout::{CELLS_PER_RADIUS, Joton, Lane, LaneTally, MapInfo};
+use crate::error::Result;
+use crate::layout::{CELLS_PER_RADIUS, MapInfo};
 use crate::pack::PackedScene;
 use crate::plan::Schedule;
+use crate::plan::buffers::SCAN_BLOCK;
+use crate::plan::shape::{DIGIT_BITS, Kind, Machine, Shape};
 use bytemuck::{Pod, Zeroable};
 
 /// Uniform of the scan kernels.
@@ -29,38 +31,10 @@ struct SortInfo {
     total_at: u32,
 }
 
-/// Items that one invocation of a scan adds up.
-const SCAN_BLOCK: u32 = 256;
-/// Bits of a radix digit.
-const DIGIT_BITS: u32 = 8;
 /// Counters of a digit.
 const DIGITS: u32 = 1 << DIGIT_BITS;
-/// Jotons up to which keys have 16 bits; beyond they have 20.
-const SMALL_MAP: u64 = 1 << 19;
 /// A cell is never narrower than this part of the scene: columns fit the table.
 const COLUMNS_MAX: f32 = 30_000.0;
-
-/// Which of the two maps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// L S+ D.
-    Caustic,
-    /// Everything that met a D before.
-    Diffuse,
-}
-
-/// How a map's emission is cut into lanes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shape {
-    /// Jotons emitted a pass.
-    pub emitted: u32,
-    /// Invocations that trace them.
-    pub lanes: u32,
-    /// Jotons that a lane can store.
-    pub lane_capacity: u32,
-    /// Dispatches of the trace kernel in a pass.
-    pub dispatches: u32,
-}
 
 /// Pipelines that both maps share.
 pub(super) struct MapKernels {
@@ -113,14 +87,13 @@ impl MapKernels {
     }
 }
 
-/// One map: its buffers' names, sizes and the steps that fill it.
+/// One map: how it is cut, and the steps that fill it.
 pub(super) struct Map {
     /// Which.
     pub kind: Kind,
     /// How it is cut into lanes.
     pub shape: Shape,
-    key_bits: u32,
-    chunk: u32,
+    machine: Machine,
     trace: Step,
     lane_counts: Step,
     lane_scan: [Step; 3],
@@ -137,56 +110,8 @@ struct Digit {
     scatter: Step,
 }
 
-/// Buffers that a map needs, by name; the two maps take turns on all but the tallies.
-pub(super) fn buffer_sizes(shapes: &[Shape], is_software: bool) -> Vec<(&'static str, u64)> {
-    let most = |f: &dyn Fn(&Shape) -> u64| shapes.iter().map(f).max().unwrap_or(1).max(1);
-    let stored = most(&|s| s.max_stored());
-    let histogram = most(&|s| u64::from(DIGITS * s.chunks(is_software)));
-    let scanned = histogram.max(most(&|s| u64::from(s.lanes) + 1));
-    vec![
-        ("lanes", most(&|s| u64::from(s.lanes)) * size_of::<Lane>() as u64),
-        ("tallies_caustic", most(&|s| u64::from(s.lanes)) * size_of::<LaneTally>() as u64),
-        ("tallies_diffuse", most(&|s| u64::from(s.lanes)) * size_of::<LaneTally>() as u64),
-        ("lane_starts", (most(&|s| u64::from(s.lanes)) + 1) * 4),
-        ("jotons", stored * size_of::<Joton>() as u64),
-        ("sorted_jotons", stored * size_of::<Joton>() as u64),
-        ("keys_a", stored * 4),
-        ("keys_b", stored * 4),
-        ("places_a", stored * 4),
-        ("places_b", stored * 4),
-        ("histogram", histogram * 4),
-        ("block_sums", scanned.div_ceil(u64::from(SCAN_BLOCK)) * 4),
-        ("bucket_starts", most(&|s| bucket_table(s.key_bits())) * 4),
-    ]
-}
-
-/// Entries of the bucket table: rows, columns and one more.
-fn bucket_table(key_bits: u32) -> u64 {
-    (1 << key_bits) + 2
-}
-
-impl Shape {
-    /// Most jotons that are stored in a pass.
-    pub(super) fn max_stored(&self) -> u64 {
-        u64::from(self.lanes) * u64::from(self.lane_capacity)
-    }
-
-    fn key_bits(&self) -> u32 {
-        if self.max_stored() <= SMALL_MAP { 16 } else { 20 }
-    }
-
-    /// Items that one invocation of the sort takes: long where lanes are few, short where a GPU has thousands.
-    fn chunk(&self, is_software: bool) -> u32 {
-        if is_software { 2048 } else { (self.max_stored() / 4096).clamp(64, 2048) as u32 }
-    }
-
-    fn chunks(&self, is_software: bool) -> u32 {
-        self.max_stored().div_ceil(u64::from(self.chunk(is_software))) as u32
-    }
-}
-
 impl Map {
-    /// Bind a map's steps to the buffers.
+    /// Bind a map's steps to the buffers; `sorted_names` are those of the sorted jotons and of their buckets.
     ///
     /// # Errors
     /// [`Error::Device`] where a buffer is missing.
@@ -196,6 +121,7 @@ impl Map {
         shape: Shape,
         trace: &Kernel,
         kernels: &MapKernels,
+        sorted_names: &[(&str, &'static str); 2],
         buffers: &Buffers,
     ) -> Result<Self> {
         let [tallies, emitters, warps] = match kind {
@@ -211,10 +137,9 @@ impl Map {
                 kernels.scan_apply.bind(context, buffers, &names)?,
             ])
         };
-        let key_bits = shape.key_bits();
         let ends = [["keys_a", "places_a"], ["keys_b", "places_b"]];
         let mut digits = Vec::new();
-        for digit in 0..key_bits.div_ceil(DIGIT_BITS) {
+        for digit in 0..shape.digits() {
             let (from, to) = (ends[digit as usize % 2], ends[(digit as usize + 1) % 2]);
             let names =
                 [("keys_in", from[0]), ("places_in", from[1]), ("keys_out", to[0]), ("places_out", to[1])];
@@ -228,15 +153,14 @@ impl Map {
         Ok(Self {
             kind,
             shape,
-            key_bits,
-            chunk: shape.chunk(context.is_software()),
+            machine: context.machine(),
             trace: trace.bind(context, buffers, &names)?,
             lane_counts: kernels.lane_counts.bind(context, buffers, &[])?,
             lane_scan: scan("lane_starts")?,
             keys: kernels.keys.bind(context, buffers, &[("keys", "keys_a"), ("places", "places_a")])?,
             digits,
-            starts: kernels.starts.bind(context, buffers, &[("keys", sorted[0])])?,
-            reorder: kernels.reorder.bind(context, buffers, &[("places", sorted[1])])?,
+            starts: kernels.starts.bind(context, buffers, &[sorted_names[1], ("keys", sorted[0])])?,
+            reorder: kernels.reorder.bind(context, buffers, &[sorted_names[0], ("places", sorted[1])])?,
         })
     }
 
@@ -252,7 +176,7 @@ impl Map {
         let extent = scene.bounds[1] - scene.bounds[0];
         let cells_per_unit = (CELLS_PER_RADIUS / radius).min(COLUMNS_MAX / extent.max_element());
         let columns = (extent.x * cells_per_unit) as u32 + 1;
-        let rows = (1u32 << self.key_bits) - columns;
+        let rows = (1u32 << self.shape.key_bits()) - columns;
         // the largest power of two that leaves room for the columns
         let row_mask = (1u32 << rows.ilog2()) - 1;
         MapInfo {
@@ -287,11 +211,11 @@ impl Map {
         recorder.dispatch(&self.lane_counts, &at, self.shape.lanes + 1);
         record_scan(recorder, &self.lane_scan, self.shape.lanes + 1);
         recorder.dispatch(&self.keys, &at, self.shape.lanes);
-        let chunks = self.shape.max_stored().div_ceil(u64::from(self.chunk)) as u32;
+        let (chunk, chunks) = (self.shape.chunk(&self.machine), self.shape.chunks(&self.machine));
         for (i, digit) in self.digits.iter().enumerate() {
             let sort_info = recorder.ring.push(&SortInfo {
                 shift: i as u32 * DIGIT_BITS,
-                chunk: self.chunk,
+                chunk,
                 chunks,
                 total_at: self.shape.lanes,
             });
@@ -313,19 +237,4 @@ fn record_scan(recorder: &mut Recorder<'_>, steps: &[Step; 3], count: u32) {
     recorder.dispatch(&steps[0], &at, blocks);
     recorder.dispatch_groups(&steps[1], &at, [1, 1]);
     recorder.dispatch(&steps[2], &at, blocks);
-}
-
-/// Check that a map fits the device.
-///
-/// # Errors
-/// [`Error::Capacity`] naming the buffer.
-pub(super) fn check_capacity(context: &Context, sizes: &[(&'static str, u64)]) -> Result<()> {
-    let limit = context.limits.max_storage_buffer_binding_size.min(context.limits.max_buffer_size);
-    for &(buffer, need) in sizes {
-        if need > limit {
-            let remedy = "render a smaller image (--size) or use --device cpu".to_string();
-            return Err(Error::Capacity { buffer, need, limit, remedy });
-        }
-    }
-    Ok(())
 }

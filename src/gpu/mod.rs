@@ -14,6 +14,7 @@ mod recorder;
 mod ring;
 mod scene_buffers;
 mod shaders;
+mod strips;
 mod tiles;
 
 pub use context::{Context, adapters};
@@ -23,28 +24,23 @@ pub use shaders::{SOURCES, Variant, link, link_source};
 use crate::backend::{Backend, Batch, Tally};
 use crate::bands::BANDS;
 use crate::error::{Error, Result};
-use crate::film::Layer;
-use crate::layout::{Clip, Fit, GatherPoint, LaneTally, MapInfo, PassInfo, TRAVERSAL_STACK, status};
+use crate::film::{Layer, host_bytes};
+use crate::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
+use crate::memory;
 use crate::pack::PackedScene;
-use crate::plan::{Part, Plan, area_group};
+use crate::plan::buffers::{self, Buffer, Needs};
+use crate::plan::shape::{Kind, Shape, Shapes, Strip, Strips, roomy};
+use crate::plan::{Part, Plan};
 use crate::rest::Rest;
-use crate::rng::sequence_seed;
-use films::{FILM_BYTES, FILMS};
-use map::{Kind, Shape};
+use area::AreaState;
 use pipelines::{Kernels, Steps};
 use precompile::Precompiler;
 use recorder::{Recorder, Timer};
 use ring::Ring;
-use std::ops::Range;
 use std::sync::Arc;
+use strips::{KEPT_BYTES_PER_PIXEL, Kept};
 use tiles::Tiles;
 
-/// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
-const JOTONS_PER_LANE_SOFTWARE: u32 = 64;
-/// On a GPU thousands of lanes run together.
-const JOTONS_PER_LANE: u32 = 4;
-/// Room for lanes that store more than the pilot's fullest one.
-const CAPACITY_SLACK: f64 = 1.5;
 /// Passes of a batch on a GPU, at most: they are summed in f32.
 const BATCH_PASSES: u64 = 16;
 /// Times that a batch is rendered with more room or smaller loops before the device is taken for broken.
@@ -61,6 +57,8 @@ pub struct GpuBackend {
     kernels: Kernels,
     steps: Option<Steps>,
     shapes: Shapes,
+    strips: Strips,
+    kept: Vec<Kept>,
     area: Option<AreaState>,
     tiles: Tiles,
     ring: Ring,
@@ -68,29 +66,18 @@ pub struct GpuBackend {
     staging: Option<wgpu::Buffer>,
 }
 
-/// How each map is cut into lanes; none where it is skipped.
-#[derive(Clone, Copy)]
-struct Shapes {
-    caustic: Option<Shape>,
-    diffuse: Option<Shape>,
-}
-
-/// The area points that are on the device.
-struct AreaState {
-    /// The passes that they are for.
-    group: Range<u64>,
-    each: f32,
-    cells_per_unit: f32,
-    row_mask: u32,
-    columns: u32,
-}
-
 impl GpuBackend {
     /// Compile the kernels, upload the scene and run the pilot pass.
     ///
     /// # Errors
     /// [`Error::Device`] where the device fails, [`Error::Capacity`] where the scene does not fit.
-    pub fn new(context: Context, scene: Arc<PackedScene>, plan: Plan) -> Result<Self> {
+    pub fn new(context: Context, scene: Arc<PackedScene>, mut plan: Plan) -> Result<Self> {
+        if context.is_software() {
+            // its memory is the host's; films, files and strips need theirs
+            let kept = scene.pixels() as u64 * KEPT_BYTES_PER_PIXEL;
+            let left = || Some(memory::available()?.saturating_sub(host_bytes(scene.size) + kept));
+            plan.settings.memory = plan.settings.memory.or_else(left);
+        }
         let depth = scene.bvh.depth();
         if depth > TRAVERSAL_STACK {
             let what = format!(
@@ -100,20 +87,14 @@ impl GpuBackend {
         }
         let kernels = Kernels::new(&context, &scene, &plan)?;
         let precompiler = Precompiler::start(&context, &kernels);
-        let mut buffers = scene_buffers::upload(&context, &scene, &plan)?;
+        let buffers = scene_buffers::upload(&context, &scene, &plan)?;
         let (tiles, words) = Tiles::new(Rest::none(scene.size));
-        buffers.insert("tiles", tiles::buffer(&context, tiles.all()));
         context.queue.write_buffer(&buffers["tiles"], 0, bytemuck::cast_slice(&words));
-        let lanes = |emitted: u32| {
-            let per_lane = if context.is_software() { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
-            (emitted > 0).then(|| Shape {
-                emitted,
-                lanes: emitted.div_ceil(per_lane),
-                lane_capacity: 1,
-                dispatches: 1,
-            })
-        };
+        let machine = context.machine();
+        let lanes = |emitted: u32| (emitted > 0).then(|| Shape::new(emitted, &machine));
         let shapes = Shapes { caustic: lanes(plan.caustic_jotons), diffuse: lanes(plan.diffuse_jotons) };
+        // the pilot decides; its search for the lanes' shape needs no pixels
+        let strips = Strips::whole([scene.size[0], scene.size[1].min(TILE)]);
         let ring = Ring::new(&context);
         let mut backend = Self {
             context,
@@ -123,6 +104,8 @@ impl GpuBackend {
             kernels,
             steps: None,
             shapes,
+            strips,
+            kept: Vec::new(),
             area: None,
             tiles,
             ring,
@@ -134,38 +117,52 @@ impl GpuBackend {
         Ok(backend)
     }
 
+    /// Name and bytes of every buffer that is on the device, but for those of timers and what drivers keep for themselves.
+    pub fn memory(&self) -> Vec<(&'static str, u64)> {
+        let own = |(name, buffer): &(&&'static str, &wgpu::Buffer)| {
+            // where nothing was learned there is one list of lights
+            !name.starts_with("emitters_") || **buffer != self.buffers["emitters"]
+        };
+        let mut all: Vec<_> =
+            self.buffers.iter().filter(own).map(|(name, buffer)| (*name, buffer.size())).collect();
+        all.extend(self.staging.as_ref().map(|b| ("staging", b.size())));
+        all.sort_unstable();
+        all
+    }
+
     /// (Re)create the buffers that depend on the shapes, and bind every step.
     fn bind(&mut self) -> Result<()> {
+        let wanted = self.needs().pass_buffers();
         let context = &self.context;
-        let pixels = self.scene.pixels() as u64;
-        let shapes: Vec<Shape> = [self.shapes.caustic, self.shapes.diffuse].into_iter().flatten().collect();
-        let mut sizes = map::buffer_sizes(&shapes, context.is_software());
-        sizes.extend([
-            ("gather_points", pixels * size_of::<GatherPoint>() as u64),
-            ("fits", pixels * size_of::<Fit>() as u64),
-            ("radii", pixels * size_of::<Fit>() as u64),
-            ("counts", pixels * 4),
-            ("edges", pixels * 4),
-            ("clips", pixels * size_of::<Clip>() as u64),
-            ("status", u64::from(status::SLOTS) * 4),
-            ("area_starts", area::AREA_STARTS as u64 * 4),
-        ]);
-        sizes.extend(FILMS.map(|f| (f, pixels * FILM_BYTES)));
-        map::check_capacity(context, &sizes)?;
-        for (name, size) in sizes {
-            if self.buffers.get(name).is_none_or(|b| b.size() < size) {
-                self.buffers.insert(name, scene_buffers::storage(context, name, size));
+        scene_buffers::check_capacity(context, &wanted)?;
+        for Buffer { name, bytes, .. } in wanted {
+            if self.buffers.get(name).is_none_or(|b| b.size() != bytes) {
+                self.buffers.insert(name, scene_buffers::storage(context, name, bytes));
             }
         }
         if !self.buffers.contains_key("area_points") {
-            self.buffers.insert("area_points", scene_buffers::storage(context, "area_points", 16));
+            let size = buffers::area_points(0, 1).bytes;
+            self.buffers.insert("area_points", scene_buffers::storage(context, "area_points", size));
         }
         context.check()?;
-        self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, &self.buffers)?);
+        let apart = self.needs().maps_apart();
+        self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, apart, &self.buffers)?);
         Ok(())
     }
 
-    fn pass_info(&self, pass: u32) -> PassInfo {
+    /// What the sizes of the buffers follow from.
+    pub fn needs(&self) -> Needs<'_> {
+        Needs {
+            scene: &self.scene,
+            plan: &self.plan,
+            machine: self.context.machine(),
+            shapes: self.shapes,
+            strips: self.strips,
+        }
+    }
+
+    /// The uniform of a pass over a strip.
+    fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
         let c = &self.scene.camera;
         PassInfo {
             eye: c.eye,
@@ -181,6 +178,10 @@ impl GpuBackend {
             emitters: self.scene.emitters.len() as u32,
             targets: self.scene.targets.len() as u32,
             light_candidates: self.plan.light_candidates,
+            first_row: strip.first,
+            rows: strip.rows,
+            held_first: strip.held_first,
+            held_rows: strip.held_rows,
             pad0: 0,
             pad1: 0,
             pad2: 0,
@@ -203,67 +204,51 @@ impl GpuBackend {
         info
     }
 
-    /// Put on the device the area points of the group of passes that `pass` belongs to. They depend on the group and the
-    /// seed, not on what was rendered before: passes stay independent.
-    fn renew_area_points(&mut self, pass: u64) -> Result<()> {
-        let group = area_group(pass);
-        if self.area.as_ref().is_some_and(|a| a.group == group) {
-            return Ok(());
-        }
-        let radius = |pass| self.plan.diffuse.radius(pass);
-        let radii = [radius(group.start), radius(group.end - 1)];
-        let seed = sequence_seed(self.plan.settings.seed, group.start as u32, area::STREAM_AREA);
-        let grid = area::build(&self.scene, radii, seed);
-        let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
-        if self.buffers["area_points"].size() < bytes.len() as u64 {
-            let size = (bytes.len() as u64 * 2).min(area::AREA_POINTS_MAX as u64 * 16 + 16);
-            self.buffers.insert("area_points", scene_buffers::storage(&self.context, "area_points", size));
-            self.bind()?;
-        }
-        self.context.queue.write_buffer(&self.buffers["area_points"], 0, bytes);
-        self.context.queue.write_buffer(&self.buffers["area_starts"], 0, bytemuck::cast_slice(&grid.starts));
-        self.area = Some(AreaState {
-            group,
-            each: grid.each,
-            cells_per_unit: grid.cells_per_unit,
-            row_mask: grid.row_mask,
-            columns: grid.columns,
-        });
-        Ok(())
+    /// Uniforms of both maps in a pass.
+    fn map_infos(&self, pass: u64) -> [MapInfo; 2] {
+        Kind::ALL.map(|kind| self.map_info(kind, pass, pass as u32))
+    }
+
+    /// Tiles of a strip: the first so many of the list, where none rests.
+    fn tiles_of(&self, strip: Strip) -> u32 {
+        self.scene.size[0].div_ceil(TILE) * strip.rows.div_ceil(TILE)
+    }
+
+    /// Pixels of a strip.
+    fn pixels_of(&self, strip: Strip) -> u32 {
+        strip.rows * self.scene.size[0]
     }
 
     /// Record and submit one pass.
-    fn submit_pass(&mut self, pass_number: u64) -> Result<()> {
+    fn submit_pass(&mut self, pass: u64) -> Result<()> {
         if self.shapes.diffuse.is_some() {
-            self.renew_area_points(pass_number)?;
+            self.renew_area_points(pass)?;
         }
-        let pass_index = pass_number as u32;
-        let pass = self.pass_info(pass_index);
-        let infos = [Kind::Caustic, Kind::Diffuse].map(|kind| self.map_info(kind, pass_number, pass_index));
+        if self.strips.count() > 1 {
+            return self.submit_pass_in_strips(pass);
+        }
+        let infos = self.map_infos(pass);
+        let strip = self.strips.strip(0);
+        let pass_info = self.pass_info(pass as u32, strip);
         let Some(steps) = &self.steps else { return Ok(()) };
-        let live = self.tiles.live(pass_number);
+        let live = self.tiles.live(pass);
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
-        let pass_info = recorder.ring.push(&pass);
-        let at = [("pass_info", pass_info)];
-        recorder.dispatch_tiles(&steps.eye, &at, live);
-        if let Some([glint, ..]) = &steps.glint {
-            recorder.dispatch_tiles(glint, &at, live);
-        }
-        if let Some(direct) = &steps.direct {
-            recorder.dispatch_tiles(direct, &at, live);
-        }
+        let pass_info = recorder.ring.push(&pass_info);
+        steps.record_camera(&mut recorder, pass_info, live);
         for (map, gather) in &steps.maps {
             let info = infos[map.kind as usize];
             recorder.clear(&self.buffers["lanes"]);
             map.record(&mut recorder, pass_info, &info);
             let map_info = recorder.ring.push(&info);
             let at = [("pass_info", pass_info), ("map_info", map_info)];
-            if let (Kind::Diffuse, Some(boundary)) = (map.kind, &steps.boundary) {
-                recorder.dispatch_tiles(boundary, &at, live);
-            }
-            recorder.dispatch_tiles(gather, &at, live);
+            steps.record_gather(&mut recorder, map.kind, gather, &at, live);
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
+        self.collect_times()
+    }
+
+    /// Add up what the kernels of the last submission took.
+    fn collect_times(&mut self) -> Result<()> {
         if let Some(timer) = &mut self.timer {
             timer.collect(&self.context, &mut self.staging)?;
         }
@@ -285,13 +270,22 @@ impl GpuBackend {
                     shape.dispatches = (shape.dispatches * 2).min(DISPATCHES_MAX);
                 }
                 if stored > shape.lane_capacity {
-                    shape.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32;
+                    shape.lane_capacity = roomy(stored);
                 }
                 if cut {
                     // the driver ended a loop early: fewer jotons a pass make shorter loops
                     shape.emitted = (shape.emitted / 2).max(1);
                     shape.lanes = shape.lanes.min(shape.emitted);
                 }
+            }
+        }
+        // where that is too much, the map has fewer jotons
+        while let Err(e) = self.needs().fits() {
+            let largest =
+                Kind::ALL.into_iter().max_by_key(|k| self.shapes.of(*k).map_or(0, |s| s.max_stored()));
+            match largest.and_then(|kind| self.shapes.of_mut(kind).as_mut()) {
+                Some(shape) if shape.emitted > 1 => *shape = shape.halved(),
+                _ => return Err(e),
             }
         }
         self.bind()?;
@@ -336,7 +330,7 @@ impl Backend for GpuBackend {
         let (tiles, words) = Tiles::new(rest.clone());
         self.tiles = tiles;
         self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
-        !self.plan.settings.keeps(Part::Rest)
+        self.strips.count() == 1 && !self.plan.settings.keeps(Part::Rest)
     }
 
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
@@ -356,12 +350,15 @@ impl Backend for GpuBackend {
             let mut staging = self.staging.take();
             let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
             let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
-            sources.extend(self.film_parts(&rows).into_iter().map(|(_, film, bytes)| (film, bytes)));
+            sources.extend(self.film_parts(&rows).into_iter());
             let mut read = self.context.read_parts(&mut staging, &sources)?;
             self.staging = staging;
             let words: Vec<u32> = bytemuck::pod_collect_to_vec(&read[0]);
             if !self.must_repeat(&words)? {
-                let films = read.split_off(3);
+                let mut films = read.split_off(3);
+                if self.strips.count() > 1 {
+                    films = self.films_of_strips();
+                }
                 break (films, words, read);
             }
         };
@@ -404,20 +401,4 @@ fn check_traversal(words: &[u32]) -> Result<()> {
         return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
     }
     Ok(())
-}
-
-impl Shapes {
-    fn of(&self, kind: Kind) -> Option<Shape> {
-        match kind {
-            Kind::Caustic => self.caustic,
-            Kind::Diffuse => self.diffuse,
-        }
-    }
-
-    fn of_mut(&mut self, kind: Kind) -> &mut Option<Shape> {
-        match kind {
-            Kind::Caustic => &mut self.caustic,
-            Kind::Diffuse => &mut self.diffuse,
-        }
-    }
 }

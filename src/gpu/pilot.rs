@@ -1,11 +1,12 @@
 //! The pilot: what is found out on the device before the first pass, with random numbers of no pass that is rendered.
 
-use super::map::Kind;
 use super::pipelines::Steps;
 use super::recorder::Recorder;
-use super::{CAPACITY_SLACK, DISPATCHES_MAX, GpuBackend, check_traversal};
+use super::{DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
 use crate::layout::{EDGE_OTHERS, MapInfo, PILOT_PASS, PassInfo, status};
+use crate::plan::buffers::fit;
+use crate::plan::shape::{Kind, Strip, dispatches_kept, roomy};
 
 /// Lanes that are tried before the first pass.
 const PROBE_LANES: u32 = 512;
@@ -17,10 +18,30 @@ impl GpuBackend {
     /// [`Error::Device`] where the device fails or a path does not end, [`Error::Capacity`] where a map does not fit.
     pub(super) fn run_pilot(&mut self) -> Result<()> {
         self.shape_lanes()?;
-        self.mark_glints()?;
-        self.choose_caustic_radii()?;
-        self.find_edges()?;
+        self.cut_image()?;
+        if self.shapes.caustic.is_some() {
+            self.pilot_map(Kind::Caustic)?;
+        }
+        if self.shapes.diffuse.is_some() {
+            self.renew_area_points(0)?;
+        }
+        for strip in self.strips.each() {
+            let all = strip.with_overlap();
+            self.mark_glints(all)?;
+            self.choose_caustic_radii(all)?;
+            self.find_edges(all)?;
+            if self.strips.count() > 1 {
+                self.keep_strip()?;
+            }
+        }
         self.warm_up()
+    }
+
+    /// Choose strips and jotons that fit, and make room for them.
+    fn cut_image(&mut self) -> Result<()> {
+        let machine = self.context.machine();
+        self.strips = fit(&self.scene, &mut self.plan, &mut self.shapes, machine)?;
+        self.bind()
     }
 
     /// Find out how often the trace kernel must be dispatched and how much a lane stores, by tracing the pilot pass.
@@ -39,7 +60,7 @@ impl GpuBackend {
             let mut settled = true;
             for kind in [Kind::Caustic, Kind::Diffuse] {
                 let Some(shape) = self.shapes.of(kind) else { continue };
-                let found = self.pilot_map(kind, false)?;
+                let found = self.pilot_map(kind)?;
                 let stored = found[status::LANE_STORED_MAX as usize];
                 let mut wanted = shape;
                 if found[status::UNFINISHED as usize] > 0 {
@@ -52,45 +73,36 @@ impl GpuBackend {
                         ));
                     }
                 } else if stored > shape.lane_capacity {
-                    wanted.lane_capacity = (f64::from(stored) * CAPACITY_SLACK) as u32 + 4;
+                    wanted.lane_capacity = roomy(stored);
                     settled = false;
                 }
                 *self.shapes.of_mut(kind) = Some(wanted);
             }
             if settled {
-                // one dispatch more than the pilot needed: other passes take a little longer
                 for kind in [Kind::Caustic, Kind::Diffuse] {
                     if let (Some(shape), Some(whole)) = (self.shapes.of_mut(kind), whole.of(kind)) {
-                        shape.dispatches += 1 + shape.dispatches / 2;
+                        shape.dispatches = dispatches_kept(shape.dispatches);
                         (shape.lanes, shape.emitted) = (whole.lanes, whole.emitted);
                     }
                 }
-                return self.bind();
+                return Ok(());
             }
         }
     }
 
-    /// Fill one map from the pilot pass and, with `radii`, choose the caustic radii from it; the status words.
-    fn pilot_map(&mut self, kind: Kind, radii: bool) -> Result<Vec<u32>> {
+    /// Fill one map from the pilot pass; the status words.
+    fn pilot_map(&mut self, kind: Kind) -> Result<Vec<u32>> {
         let Some(steps) = &self.steps else { return Ok(vec![0; status::SLOTS as usize]) };
         let Some((map, _)) = steps.maps.iter().find(|(m, _)| m.kind == kind) else {
             return Ok(vec![0; status::SLOTS as usize]);
         };
-        let pass = self.pass_info(PILOT_PASS);
+        let pass = self.pass_info(PILOT_PASS, self.strips.strip(0));
         let info = self.map_info(kind, 0, PILOT_PASS);
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let pass_info = recorder.ring.push(&pass);
         recorder.clear(&self.buffers["lanes"]);
         recorder.clear(&self.buffers["status"]);
         map.record(&mut recorder, pass_info, &info);
-        if let (true, Some([count, radius])) = (radii, &steps.pilot) {
-            let map_info = recorder.ring.push(&info);
-            let at = [("pass_info", pass_info), ("map_info", map_info)];
-            let pixels = self.scene.pixels() as u32;
-            recorder.dispatch_tiles(&steps.eye, &at, self.tiles.all());
-            recorder.dispatch(count, &at, pixels);
-            recorder.dispatch(radius, &at, pixels);
-        }
         recorder.submit(&self.context, &self.buffers["ring"]);
         let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&words[0]);
@@ -98,21 +110,30 @@ impl GpuBackend {
         Ok(words)
     }
 
-    fn choose_caustic_radii(&mut self) -> Result<()> {
-        if self.shapes.caustic.is_some() {
-            self.pilot_map(Kind::Caustic, true)?;
-        }
-        Ok(())
+    /// Choose the caustic radius of each pixel; the pilot pass's map is there.
+    fn choose_caustic_radii(&mut self, strip: Strip) -> Result<()> {
+        let pass = self.pass_info(PILOT_PASS, strip);
+        let info = self.map_info(Kind::Caustic, 0, PILOT_PASS);
+        let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
+        let Some(Steps { eye, pilot: Some([count, radius]), .. }) = &self.steps else { return Ok(()) };
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
+        let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
+        recorder.dispatch_tiles(eye, &at, tiles);
+        recorder.dispatch(count, &at, pixels);
+        recorder.dispatch(radius, &at, pixels);
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.context.wait()
     }
 
     /// Mark the pixels that see emission in a part only, or through specular surfaces.
-    fn mark_glints(&mut self) -> Result<()> {
-        let pass = self.pass_info(PILOT_PASS);
+    fn mark_glints(&mut self, strip: Strip) -> Result<()> {
+        let pass = self.pass_info(PILOT_PASS, strip);
+        let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
         let Some(Steps { glint: Some([_, pilot, mark]), .. }) = &self.steps else { return Ok(()) };
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass))];
-        recorder.dispatch_tiles(pilot, &at, self.tiles.all());
-        recorder.dispatch(mark, &at, self.scene.pixels() as u32);
+        recorder.dispatch_tiles(pilot, &at, tiles);
+        recorder.dispatch(mark, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);
         self.context.wait()
     }
@@ -134,16 +155,13 @@ impl GpuBackend {
     }
 
     /// Find the pixels whose discs are cut by edges and by walls, once, with the largest radius.
-    fn find_edges(&mut self) -> Result<()> {
+    fn find_edges(&mut self, strip: Strip) -> Result<()> {
         let kind = if self.shapes.diffuse.is_some() { Kind::Diffuse } else { Kind::Caustic };
-        if kind == Kind::Diffuse {
-            self.renew_area_points(0)?;
-        }
-        let pass = self.pass_info(PILOT_PASS);
+        let pass = self.pass_info(PILOT_PASS, strip);
         let mut info = self.map_info(kind, 0, PILOT_PASS);
         info.radius = self.plan.diffuse.radius(0) as f32;
+        let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
         let Some(Steps { eye, boundary, clip: Some(clip), .. }) = &self.steps else { return Ok(()) };
-        let pixels = self.scene.pixels() as u32;
         if boundary.is_none() {
             // nothing is known of what is near
             let anything = vec![EDGE_OTHERS; pixels as usize];
@@ -151,9 +169,11 @@ impl GpuBackend {
         }
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
-        recorder.dispatch_tiles(eye, &at, self.tiles.all());
+        recorder.dispatch_tiles(eye, &at, tiles);
         if let Some(boundary) = boundary {
-            recorder.dispatch_tiles(boundary, &at, self.tiles.all());
+            // pixels without a gather point keep what is there
+            recorder.clear(&self.buffers["edges"]);
+            recorder.dispatch_tiles(boundary, &at, tiles);
         }
         recorder.dispatch(clip, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);

@@ -1,14 +1,16 @@
 //! Pipelines: the kernels that a plan needs, compiled, and bound to their buffers.
 
-use super::Shapes;
 use super::context::Context;
-use super::kernel::{Buffers, Kernel, SMALL_SCENE, Step};
-use super::map::{Kind, Map, MapKernels};
+use super::kernel::{Buffers, Kernel, Offsets, SMALL_SCENE, Step, TRIANGLES_PART};
+use super::map::{Map, MapKernels};
+use super::recorder::Recorder;
 use super::scene_buffers;
 use crate::error::Result;
 use crate::film::Layer;
 use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
 use crate::pack::PackedScene;
+use crate::plan::buffers::{is_split, triangles_part};
+use crate::plan::shape::{Kind, Shapes};
 use crate::plan::{CAUSTIC_FOOTPRINTS, Part, Plan};
 
 /// The compiled kernels.
@@ -33,7 +35,7 @@ impl Kernels {
     pub(super) fn new(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
         let f = &plan.features;
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
-        let features = [
+        let mut features = vec![
             (SMALL_SCENE, flag(scene_buffers::is_small(context, scene))),
             ("HAS_SMOOTH", flag(f.smooth_normals)),
             ("HAS_SPECULAR", flag(f.specular)),
@@ -46,6 +48,9 @@ impl Kernels {
                 f64::from(if context.is_software() { STEP_BUDGET } else { STEP_BUDGET_HARDWARE }),
             ),
         ];
+        if is_split(scene, &context.machine()) {
+            features.push((TRIANGLES_PART, f64::from(triangles_part(&context.machine()))));
+        }
         let compile = |path: &str| Kernel::new(context, path, "main", &features);
         let with = |path: &str, caustic: bool| {
             let guide = if caustic { &plan.guides.caustic } else { &plan.guides.diffuse };
@@ -113,6 +118,10 @@ impl Kernels {
         all
     }
 }
+/// Names of a sorted map in the kernels, and of the buffers.
+const SORTED: [(&str, &str); 2] = [("sorted_jotons", "sorted_jotons"), ("bucket_starts", "bucket_starts")];
+const SORTED_APART: [(&str, &str); 2] =
+    [("sorted_jotons", "sorted_jotons_caustic"), ("bucket_starts", "bucket_starts_caustic")];
 
 /// The kernels with their buffers.
 pub(super) struct Steps {
@@ -127,7 +136,7 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// Bind every kernel of a pass and of the pilot.
+    /// Bind every kernel of a pass and of the pilot; `apart` where both sorted maps are kept.
     ///
     /// # Errors
     /// [`crate::Error::Device`] where a buffer is missing.
@@ -135,8 +144,11 @@ impl Steps {
         context: &Context,
         kernels: &Kernels,
         shapes: &Shapes,
+        apart: bool,
         buffers: &Buffers,
     ) -> Result<Self> {
+        // where both maps are kept, the caustic one has a place of its own
+        let sorted = |kind| if apart && kind == Kind::Caustic { SORTED_APART } else { SORTED };
         let mut maps = Vec::new();
         for (kind, film, fits) in
             [(Kind::Caustic, "film_caustic", "radii"), (Kind::Diffuse, "film_diffuse", "fits")]
@@ -145,8 +157,10 @@ impl Steps {
             if let (Some(shape), Some(trace), Some(gather), Some(map)) =
                 (shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
             {
-                let gather = gather.bind(context, buffers, &[("film", film), ("fits", fits)])?;
-                maps.push((Map::new(context, kind, shape, trace, map, buffers)?, gather));
+                let sorted = sorted(kind);
+                let names = [&sorted[..], &[("film", film), ("fits", fits)]].concat();
+                let gather = gather.bind(context, buffers, &names)?;
+                maps.push((Map::new(context, kind, shape, trace, map, &sorted, buffers)?, gather));
             }
         }
         let optional = |k: &Option<Kernel>, names: &[(&str, &'static str)]| {
@@ -154,7 +168,7 @@ impl Steps {
         };
         let pilot = match (&kernels.caustic_count, &kernels.caustic_radius) {
             (Some(count), Some(radius)) => Some([
-                count.bind(context, buffers, &[])?,
+                count.bind(context, buffers, &sorted(Kind::Caustic))?,
                 radius.bind(context, buffers, &[("fits", "radii")])?,
             ]),
             _ => None,
@@ -175,5 +189,32 @@ impl Steps {
             maps,
             pilot,
         })
+    }
+
+    /// Record what starts at the camera: gather points, emission, direct light.
+    pub(super) fn record_camera(&self, recorder: &mut Recorder<'_>, pass_info: u32, tiles: u32) {
+        let at = [("pass_info", pass_info)];
+        recorder.dispatch_tiles(&self.eye, &at, tiles);
+        if let Some([glint, ..]) = &self.glint {
+            recorder.dispatch_tiles(glint, &at, tiles);
+        }
+        if let Some(direct) = &self.direct {
+            recorder.dispatch_tiles(direct, &at, tiles);
+        }
+    }
+
+    /// Record what a sorted map is for.
+    pub(super) fn record_gather(
+        &self,
+        recorder: &mut Recorder<'_>,
+        kind: Kind,
+        gather: &Step,
+        at: Offsets<'_>,
+        tiles: u32,
+    ) {
+        if let (Kind::Diffuse, Some(boundary)) = (kind, &self.boundary) {
+            recorder.dispatch_tiles(boundary, at, tiles);
+        }
+        recorder.dispatch_tiles(gather, at, tiles);
     }
 }

@@ -1,6 +1,7 @@
 //! Ring: the uniforms of a submission, one slot each, written at once and bound by offset.
 
 use super::context::Context;
+use crate::plan::buffers::RING_BYTES;
 
 /// Uniforms of one submission.
 pub(super) struct Ring {
@@ -8,9 +9,6 @@ pub(super) struct Ring {
     alignment: usize,
     capacity: usize,
 }
-
-/// Bytes of the ring's buffer.
-pub(super) const RING_BYTES: u64 = 1 << 20;
 
 impl Ring {
     /// An empty ring for a device.

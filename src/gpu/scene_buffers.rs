@@ -2,23 +2,13 @@
 
 use super::context::Context;
 use super::kernel::Buffers;
-use super::map;
-use super::ring::RING_BYTES;
-use crate::error::Result;
-use crate::layout::{
-    AreaPoint, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS, SMALL_NODE_WORDS, SMALL_TRIANGLES,
-};
-use crate::pack::{Guide, MARK_WORDS, MAX_WARPS, PackedScene, Target, WARP_WORDS};
+use crate::error::{Error, Result};
+use crate::layout::{AreaPoint, PathFilter};
+use crate::pack::{Guide, MARK_WORDS, MAX_TARGETS, MAX_WARPS, PackedScene, Target, WARP_WORDS};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
+use crate::plan::buffers::{self, Buffer, TRIANGLES, triangles_part_bytes};
 use glam::{Vec2, Vec3};
-
-/// Bytes of each uniform buffer of a small scene: WebGPU's least limit.
-const SMALL_BYTES: u64 = 1 << 16;
-/// Words of 16 bytes in a node.
-const NODE_WORDS: usize = 5;
-/// Targets that the uniform holds.
-const TARGETS: usize = 16;
 
 /// Upload a scene.
 ///
@@ -26,66 +16,56 @@ const TARGETS: usize = 16;
 /// [`crate::Error::Capacity`] where it does not fit.
 pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Buffers> {
     let nodes = scene.bvh.nodes();
-    let normals: Vec<[u32; 4]> = if scene.shading_normals.is_empty() {
-        vec![[0; 4]]
-    } else {
-        scene.shading_normals.iter().map(|n| [encode(n[0]), encode(n[1]), encode(n[2]), 0]).collect()
-    };
-    let mut targets = [Target { center: Vec3::ZERO, radius: 0.0 }; TARGETS];
+    let normals: Vec<[u32; 4]> =
+        scene.shading_normals.iter().map(|n| [encode(n[0]), encode(n[1]), encode(n[2]), 0]).collect();
+    let mut targets = [Target { center: Vec3::ZERO, radius: 0.0 }; MAX_TARGETS];
     targets[..scene.targets.len()].copy_from_slice(&scene.targets);
     let guides = &plan.guides;
     let [warps_caustic, warps_diffuse] = [&guides.caustic, &guides.diffuse].map(warp_words);
-    let mut buffers = Buffers::new();
-    let mut contents: Vec<(&'static str, &[u8])> = vec![
+    let marks = plan.marks.as_ref().map_or(&[0; MARK_WORDS][..], |m| m.words());
+    let filter = path_filter(&plan.settings.paths);
+    let contents: [(&str, &[u8]); 13] = [
         ("nodes", bytemuck::cast_slice(&nodes)),
         ("triangles", bytemuck::cast_slice(&scene.triangles)),
         ("shading_normals", bytemuck::cast_slice(&normals)),
         ("materials", bytemuck::cast_slice(&scene.materials)),
         ("emitters", bytemuck::cast_slice(&scene.emitters)),
-    ];
-    let learned = [
-        ("emitters_direct", &guides.direct),
-        ("emitters_caustic", &guides.caustic),
-        ("emitters_diffuse", &guides.diffuse),
-    ];
-    for (name, guide) in learned {
-        if !guide.is_empty() {
-            contents.push((name, bytemuck::cast_slice(guide.emitters(&scene.emitters))));
-        }
-    }
-    let sizes: Vec<(&'static str, u64)> =
-        contents.iter().map(|(n, bytes)| (*n, bytes.len() as u64)).collect();
-    map::check_capacity(context, &sizes)?;
-    let small = is_small(context, scene);
-    for (name, bytes) in contents {
-        let buffer = if small && name != "shading_normals" {
-            // as long as the kernels say, whatever is in it
-            let usage =
-                wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-            buffer(context, name, SMALL_BYTES, usage)
-        } else {
-            storage(context, name, bytes.len() as u64)
-        };
-        context.queue.write_buffer(&buffer, 0, bytes);
-        buffers.insert(name, buffer);
-    }
-    for (name, _) in learned {
-        let emitters = buffers["emitters"].clone();
-        buffers.entry(name).or_insert(emitters);
-    }
-    let filter = path_filter(&plan.settings.paths);
-    for (name, bytes) in [
+        ("emitters_direct", bytemuck::cast_slice(guides.direct.emitters(&scene.emitters))),
+        ("emitters_caustic", bytemuck::cast_slice(guides.caustic.emitters(&scene.emitters))),
+        ("emitters_diffuse", bytemuck::cast_slice(guides.diffuse.emitters(&scene.emitters))),
         ("targets", bytemuck::bytes_of(&targets)),
         ("path_filter", bytemuck::bytes_of(&filter)),
         ("warps_caustic", bytemuck::cast_slice(&warps_caustic)),
-        ("marks", bytemuck::cast_slice(plan.marks.as_ref().map_or(&[0; MARK_WORDS][..], |m| m.words()))),
         ("warps_diffuse", bytemuck::cast_slice(&warps_diffuse)),
-    ] {
-        let buffer = uniform(context, name, bytes.len() as u64);
-        context.queue.write_buffer(&buffer, 0, bytes);
+        ("marks", bytemuck::cast_slice(marks)),
+    ];
+    let wanted = buffers::scene_buffers(scene, plan, &context.machine());
+    check_capacity(context, &wanted)?;
+    let small = is_small(context, scene);
+    let mut buffers = Buffers::new();
+    for Buffer { name, bytes, .. } in wanted {
+        let usage = match name {
+            "targets" | "path_filter" | "warps_caustic" | "warps_diffuse" | "marks" | "tiles" | "ring" => {
+                UNIFORM
+            }
+            "shading_normals" => STORAGE,
+            _ if small => UNIFORM | STORAGE,
+            _ => STORAGE,
+        };
+        let buffer = buffer(context, name, bytes, usage);
+        let part = TRIANGLES.iter().position(|n| *n == name).unwrap_or(0);
+        let whole = if part > 0 { TRIANGLES[0] } else { name };
+        if let Some((_, content)) = contents.iter().find(|(n, _)| *n == whole) {
+            let from = (part as u64 * triangles_part_bytes(&context.machine())).min(content.len() as u64);
+            let rest = &content[from as usize..];
+            context.queue.write_buffer(&buffer, 0, &rest[..rest.len().min(bytes as usize)]);
+        }
         buffers.insert(name, buffer);
     }
-    buffers.insert("ring", uniform(context, "ring", RING_BYTES));
+    for name in ["emitters_direct", "emitters_caustic", "emitters_diffuse"] {
+        let emitters = buffers["emitters"].clone();
+        buffers.entry(name).or_insert(emitters);
+    }
     context.check()?;
     Ok(buffers)
 }
@@ -101,23 +81,38 @@ pub(super) fn warp_words(guide: &Guide) -> Vec<u32> {
 
 /// True for a scene that fits into uniform buffers.
 pub fn is_small(context: &Context, scene: &PackedScene) -> bool {
-    let fits = |count: usize, most: u32| count <= most as usize;
-    context.limits.max_uniform_buffer_binding_size >= SMALL_BYTES
-        && fits(scene.bvh.node_count() * NODE_WORDS, SMALL_NODE_WORDS)
-        && fits(scene.triangles.len(), SMALL_TRIANGLES)
-        && fits(scene.materials.len(), SMALL_MATERIALS)
-        && fits(scene.emitters.len(), SMALL_EMITTERS)
+    buffers::is_small(scene, &context.machine())
 }
+
+/// Check that each of these buffers fits into a binding.
+///
+/// # Errors
+/// [`Error::Capacity`] naming the buffer.
+pub(super) fn check_capacity(context: &Context, buffers: &[Buffer]) -> Result<()> {
+    let limit = context.machine().storage_binding;
+    for &Buffer { name, bytes, .. } in buffers {
+        if bytes > limit {
+            let remedy = "use --device cpu".to_string();
+            return Err(Error::Capacity { buffer: name, need: bytes, limit, remedy });
+        }
+    }
+    Ok(())
+}
+
+/// How kernels read a buffer that can be written …
+const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
+/// … and one that can be read back and cleared, too.
+const STORAGE: wgpu::BufferUsages =
+    wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
 
 /// A storage buffer that can be written, cleared and read back.
 pub(super) fn storage(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-    buffer(context, name, size.next_multiple_of(16).max(16), usage)
+    buffer(context, name, size.next_multiple_of(16).max(16), STORAGE)
 }
 
 /// A uniform buffer.
 pub(super) fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
-    buffer(context, name, size, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
+    buffer(context, name, size, UNIFORM)
 }
 
 fn buffer(context: &Context, name: &'static str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {

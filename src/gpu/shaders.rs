@@ -45,10 +45,13 @@ sources![
     "shared/grid.wgsl",
     "shared/index.wgsl",
     "shared/live.wgsl",
+    "shared/strip.wgsl",
     "shared/lanes.wgsl",
     "shared/lanes_alone.wgsl",
     "shared/scene.wgsl",
     "shared/scene_small.wgsl",
+    "shared/triangles.wgsl",
+    "shared/triangles_split.wgsl",
     "shared/features.wgsl",
 ];
 
@@ -59,6 +62,8 @@ pub struct Variant {
     pub subgroups: bool,
     /// The scene lies in uniform buffers.
     pub small_scene: bool,
+    /// The triangles are more than one binding holds.
+    pub split_scene: bool,
 }
 
 /// A kernel file with everything it imports and the shared structs.
@@ -70,6 +75,7 @@ pub fn link(path: &str, variant: Variant) -> Result<String> {
     for (wanted, file, other) in [
         (!variant.subgroups, "shared/lanes.wgsl", "shared/lanes_alone.wgsl"),
         (variant.small_scene, "shared/scene.wgsl", "shared/scene_small.wgsl"),
+        (variant.split_scene, "shared/triangles.wgsl", "shared/triangles_split.wgsl"),
     ] {
         if wanted {
             linked = linked.replace(find(file)?, find(other)?);

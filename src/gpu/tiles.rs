@@ -35,11 +35,6 @@ impl Tiles {
         &self.rest
     }
 
-    /// Tiles of the image.
-    pub(super) fn all(&self) -> u32 {
-        self.up_to[EXPONENT_MAX as usize]
-    }
-
     /// Tiles that take part in a pass: the first so many.
     pub(super) fn live(&self, pass: u64) -> u32 {
         self.up_to[pass.trailing_zeros().min(EXPONENT_MAX) as usize]
@@ -61,7 +56,7 @@ mod tests {
     fn the_head_of_the_list_is_live() {
         let exponents = vec![3, 0, 1, 4, 0, 2, 1, 0, 4];
         let (tiles, words) = Tiles::new(Rest::new([24, 24], exponents.clone()));
-        assert_eq!(tiles.all(), 9);
+        assert_eq!(tiles.live(0), 9);
         for pass in 0..40u64 {
             let head = words[..tiles.live(pass) as usize].iter();
             let mut live: Vec<usize> = head.map(|w| (w & ((1 << TILE_BITS) - 1)) as usize).collect();

@@ -18,7 +18,7 @@ pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use marks::{MARK_FACTORS, MARK_WORDS, Marks};
 pub(crate) use surfaces::without_copies;
 pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
-pub use targets::Target;
+pub use targets::{MAX_TARGETS, Target};
 
 use crate::bvh::Bvh;
 use crate::scene::Scene;

@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::collections::HashMap;
 
 /// Most targets that emission aims at; bodies beyond are merged with their nearest neighbours.
-pub(super) const MAX_TARGETS: usize = 16;
+pub const MAX_TARGETS: usize = 16;
 
 gpu_struct! {
     /// A sphere that holds a specular body, 16 bytes.

@@ -1,11 +1,15 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
+pub mod buffers;
 mod facts;
+pub mod kernels;
 mod learn;
 mod pilot;
 mod radius;
 mod seen;
+pub mod shape;
 mod skip;
+pub mod traffic;
 
 pub use pilot::Pilot;
 pub use radius::{Schedule, area_group, shrink};
@@ -26,6 +30,8 @@ pub struct Settings {
     pub paths: LightPaths,
     /// Shadow rays per gather point and pass.
     pub shadow_rays: u32,
+    /// Bytes that a device's buffers may take together; none for as much as it allows.
+    pub memory: Option<u64>,
     /// What is not skipped, whether the scene needs it or not.
     pub keep: Vec<Part>,
 }
@@ -42,7 +48,8 @@ pub const SHADOW_RAYS: u32 = 2;
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: 0, paths: LightPaths::everything(), shadow_rays: SHADOW_RAYS, keep: Vec::new() }
+        let (paths, shadow_rays) = (LightPaths::everything(), SHADOW_RAYS);
+        Self { seed: 0, paths, shadow_rays, memory: None, keep: Vec::new() }
     }
 }
 
@@ -184,6 +191,20 @@ impl Plan {
             diffuse: Schedule { base: diffuse, alpha: ALPHA },
             skipped: skips.skipped,
             pilot,
+        }
+    }
+
+    /// Emit half as many jotons for a map, with the radius that goes with them: a disc holds as many.
+    pub fn halve_jotons(&mut self, scene: &PackedScene, kind: shape::Kind) {
+        match kind {
+            // its radii are chosen by counting
+            shape::Kind::Caustic => self.caustic_jotons = self.caustic_jotons.div_ceil(2),
+            shape::Kind::Diffuse => {
+                let image_width = f64::from(self.pilot.footprint_median) * f64::from(scene.size[0]);
+                let largest = (DIFFUSE_LIMITS[1] * image_width).max(self.diffuse.base);
+                self.diffuse_jotons = self.diffuse_jotons.div_ceil(2);
+                self.diffuse.base = (self.diffuse.base * std::f64::consts::SQRT_2).min(largest);
+            }
         }
     }
 

@@ -174,7 +174,7 @@ pub fn random_direction(stream: u32, number: usize) -> glam::Vec3 {
 
 /// A uniform of zeros but for what a test sets.
 pub fn pass_info() -> PassInfo {
-    bytemuck::Zeroable::zeroed()
+    PassInfo { light_candidates: 1, ..bytemuck::Zeroable::zeroed() }
 }
 
 /// A uniform of zeros but for what a test sets.

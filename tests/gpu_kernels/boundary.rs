@@ -8,7 +8,9 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 use joton::gpu::Context;
 use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::layout::{Clip, EDGE_CUT, EDGE_OTHERS, Fit, GatherPoint, Joton, Lane, MapInfo, PILOT_PASS};
+use joton::layout::{
+    Clip, EDGE_CUT, EDGE_OTHERS, Fit, GatherPoint, Joton, Lane, MapInfo, PILOT_PASS, status,
+};
 use joton::pack::{PackedMaterial, PackedScene};
 use joton::scene::Material;
 use std::f32::consts::PI;
@@ -87,11 +89,11 @@ impl<'a> Stage<'a> {
         harness.storage("clips", &vec![Clip::zeroed(); self.points.len()]);
         harness.storage("fits", &vec![[PATTERN; 4]; self.points.len()]);
         harness.storage("edges", edges.unwrap_or(&vec![PATTERN; self.points.len()]));
-        harness.storage("status", &[0u32; 8]);
+        harness.storage("status", &[0u32; status::SLOTS as usize]);
         let k = kernel(self.context, "boundary.wgsl", "main", &[]);
         let mut pass = pass_info();
         pass.pass_index = if edges.is_none() { PILOT_PASS } else { 0 };
-        (pass.width, pass.height) = (self.points.len() as u32, 1);
+        pass.set_image([self.points.len() as u32, 1]);
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
         harness.run(&k, &[], &at, Work::Tiles([pass.width, pass.height])).unwrap_or_else(|e| panic!("{e}"));
@@ -144,7 +146,7 @@ impl<'a> Stage<'a> {
         harness.storage("fits", fits);
         harness.storage("film", &vec![[0.0f32; 4]; self.points.len()]);
         let mut pass = pass_info();
-        (pass.width, pass.height) = (self.points.len() as u32, 1);
+        pass.set_image([self.points.len() as u32, 1]);
         let k = kernel(self.context, "gather.wgsl", "main", &[("HAS_PATH_FILTER", 0.0)]);
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];

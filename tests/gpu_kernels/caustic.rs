@@ -45,7 +45,8 @@ fn counts_are_those_of_a_search_over_all() {
     harness.storage("gather_points", &points);
     harness.storage("counts", &vec![PATTERN; points.len()]);
     let mut pass = pass_info();
-    (pass.width, pass.height, pass.pixel_angle) = (WIDTH, HEIGHT, ANGLE);
+    pass.set_image([WIDTH, HEIGHT]);
+    pass.pixel_angle = ANGLE;
     let count =
         kernel(context, "caustic_count.wgsl", "main", &[("RADIUS_FOOTPRINTS", f64::from(FOOTPRINTS[1]))]);
     let at: [(&str, &[u8]); 2] =
@@ -88,7 +89,8 @@ fn radii_hold_the_wanted_number() {
     harness.storage("fits", &vec![[PATTERN; 4]; points.len()]);
     let info = info(1);
     let mut pass = pass_info();
-    (pass.width, pass.height, pass.pixel_angle) = (WIDTH, HEIGHT, ANGLE);
+    pass.set_image([WIDTH, HEIGHT]);
+    pass.pixel_angle = ANGLE;
     let overrides = [
         ("RADIUS_FOOTPRINTS", f64::from(FOOTPRINTS[1])),
         ("RADIUS_FOOTPRINTS_MIN", f64::from(FOOTPRINTS[0])),

@@ -1,12 +1,12 @@
 //! eye.wgsl and direct.wgsl on a floor under a light: positions by projection, radiance by the law of each light.
 
 use crate::common::scenes::{Builder, emitter};
-use crate::common::{kernel, path_filter};
+use crate::common::{kernel, pass_info, path_filter};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
 use joton::gpu::Context;
 use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::layout::{GatherPoint, PassInfo};
+use joton::layout::{GatherPoint, PassInfo, status};
 use joton::pack::{PackedEmitter, PackedScene};
 use joton::plan::{Plan, Settings};
 use joton::scene::Light;
@@ -28,11 +28,9 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
     harness.uniform("path_filter", &path_filter("L.*E"));
     let pixels = scene.pixels();
     let c = &scene.camera;
-    let pass = PassInfo {
+    let mut pass = PassInfo {
         eye: c.eye,
-        width: scene.size[0],
         right: c.right,
-        height: scene.size[1],
         up: c.up,
         seed: 9,
         forward: c.forward,
@@ -40,15 +38,16 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
         pixel_angle: scene.pixel_angle(),
         shadow_rays,
         emitters: scene.emitters.len() as u32,
-        targets: 0,
+        ..pass_info()
     };
+    pass.set_image(scene.size);
     // no pixel is the glint kernel's; the rest must be overwritten
     let mut unwritten = [PATTERN; 12];
     unwritten[11] = 0;
     harness.storage("gather_points", &vec![unwritten; pixels]);
     harness.storage("film_emission", &vec![[0.0f32; 4]; pixels]);
     harness.storage("film_direct", &vec![[0.0f32; 4]; pixels]);
-    harness.storage("status", &[0u32; 8]);
+    harness.storage("status", &[0u32; status::SLOTS as usize]);
     let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
     for name in ["eye.wgsl", "direct.wgsl"] {
         let k = kernel(context, name, "main", &[("HAS_PATH_FILTER", 0.0)]);

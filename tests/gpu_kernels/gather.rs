@@ -94,7 +94,7 @@ impl Question<'_> {
         harness.storage("fits", self.fits);
         harness.storage("film", &vec![[0.0f32; 4]; self.points.len()]);
         let mut pass = pass_info();
-        (pass.width, pass.height) = (self.points.len() as u32, 1);
+        pass.set_image([self.points.len() as u32, 1]);
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
         let overrides = [("CAUSTIC", flag(self.caustic)), ("HAS_PATH_FILTER", flag(self.paths != "L.*E"))];
         let linked = link("gather.wgsl", variant).unwrap_or_else(|e| panic!("{e}"));
@@ -204,7 +204,7 @@ fn an_empty_map_is_black() {
     };
     let (film, status) = q.ask(context);
     assert!(film.iter().all(|l| *l == [0.0; 4]));
-    assert_eq!(status, [0; 8]);
+    assert_eq!(status, [0; status::SLOTS as usize]);
 }
 
 /// What a search over all jotons finds, per band; none where a joton is so near a limit that rounding decides.

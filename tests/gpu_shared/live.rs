@@ -13,7 +13,8 @@ fn live_pixels_and_indices_are_the_hosts() {
     let rest = Rest::new(size, vec![3, 0, 1, 4, 0, 2]);
     for pass_index in [0u32, 1, 5, 16, 32, 80, 1000, joton::layout::PILOT_PASS] {
         let mut pass = pass_info();
-        ([pass.width, pass.height], pass.pass_index) = (size, pass_index);
+        pass.set_image(size);
+        pass.pass_index = pass_index;
         let mut harness = Harness::new(context);
         harness.rest(&rest);
         let snippet = Snippet {

@@ -40,7 +40,7 @@ impl<'a> Device<'a> {
         let mut pass = pass_info();
         (pass.eye, pass.right, pass.up) = (scene.camera.eye, scene.camera.right, scene.camera.up);
         pass.forward = scene.camera.forward;
-        [pass.width, pass.height] = scene.size;
+        pass.set_image(scene.size);
         pass.emitters = scene.emitters.len() as u32;
         pass.targets = scene.targets.len() as u32;
         pass.seed = seed;

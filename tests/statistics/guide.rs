@@ -220,7 +220,7 @@ fn box_under_all_kinds(size: u32) -> PackedScene {
     PackedScene::new(&b.scene)
 }
 
-/// Direct and diffuse light are the same unguided and misled, and with a shadow ray for one of three light samples: shadow
+/// Direct and diffuse light are the same unguided and misled, and with a shadow ray for one of eight light samples: shadow
 /// rays, starts and ways of all kinds of lights.
 #[test]
 fn guided_light_is_the_same() {
@@ -238,7 +238,7 @@ fn guided_light_is_the_same() {
                     Arc::new(Guides { diffuse: guide.clone(), direct: guide.clone(), ..Guides::default() });
             })
         };
-        let (plain, guided) = (renders(&Guide::default(), 1, 0), renders(&lopsided(&scene), 3, 20));
+        let (plain, guided) = (renders(&Guide::default(), 1, 0), renders(&lopsided(&scene), 8, 20));
         for which in [Layer::Direct, Layer::Diffuse] {
             for block in [4, SIZE] {
                 let [a, b] = [&plain, &guided].map(|p| {

@@ -1,0 +1,381 @@
+//! Buffers: what a device holds for a render: names, bytes, and what for. The one place that tells how large a buffer is:
+//! the GPU backend creates what is listed here, and `joton plan` prints it without a device.
+
+use super::Plan;
+use super::shape::{DIGIT_BITS, Kind, Machine, Shape, Shapes, Strips};
+use super::traffic::Traffic;
+use crate::error::{Error, Result};
+use crate::film::LAYERS;
+use crate::layout::{
+    AreaPoint, Clip, Fit, GatherPoint, Joton, Lane, LaneTally, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS,
+    SMALL_NODE_WORDS, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
+};
+use crate::pack::{
+    MARK_WORDS, MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target,
+    WARP_WORDS,
+};
+
+/// A buffer of the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Buffer {
+    /// The name that kernels know it by.
+    pub name: &'static str,
+    /// Its size.
+    pub bytes: u64,
+    /// What it holds.
+    pub holds: &'static str,
+}
+
+/// Films of the layers, in the order of [`crate::film::Layer::ALL`].
+pub const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
+/// What the pilot finds out of each pixel: where strips take turns, it is kept on the host.
+pub const KNOWN: [&str; 4] = ["gather_points", "radii", "edges", "clips"];
+/// Bytes of a pixel of a film: a vector of four, of which three are used.
+const FILM_PIXEL: u64 = 16;
+/// Bytes of a word.
+const WORD: u64 = 4;
+/// Bytes that every buffer's size is a multiple of.
+const GRAIN: u64 = 16;
+/// Bytes of each uniform buffer of a small scene: WebGPU's least limit.
+const SMALL_BYTES: u64 = 1 << 16;
+/// Bytes of a node, and words of 16 bytes in it.
+const NODE_BYTES: u64 = 80;
+const NODE_WORDS: usize = 5;
+/// Bytes of a triangle's shading normals.
+const NORMALS_BYTES: u64 = 16;
+/// Bytes of the ring of uniforms.
+pub const RING_BYTES: u64 = 1 << 20;
+/// Items that one invocation of a scan adds up.
+pub const SCAN_BLOCK: u32 = 256;
+
+/// Area points that fall into a whole disc.
+const POINTS_PER_DISC: f64 = 150.0;
+/// Most area points: memory and set-up time end somewhere; the fit only gets noisier.
+const AREA_POINTS_MAX: usize = 1 << 21;
+/// Bits of a bucket's number in the area points' grid.
+pub const AREA_KEY_BITS: u32 = 17;
+/// Entries of its bucket table.
+pub const AREA_STARTS: usize = (1 << AREA_KEY_BITS) + 2;
+/// Room for the area points of later passes, whose discs are smaller.
+const AREA_SLACK: usize = 2;
+/// Area points may take one part of this many of the memory that is allowed.
+const AREA_MEMORY_SHARE: u64 = 8;
+/// Strips that are tried before a pass gets fewer jotons: thinner ones have too much overlap.
+const STRIPS_GOOD: u32 = 32;
+/// Jotons that a pass keeps in any case: the caustic map's and the diffuse map's.
+const JOTONS_KEPT: u32 = 1 << 10;
+
+impl Buffer {
+    fn new(name: &'static str, bytes: u64, holds: &'static str) -> Self {
+        Self { name, bytes: bytes.next_multiple_of(GRAIN).max(GRAIN), holds }
+    }
+}
+
+/// Everything that sizes follow from.
+#[derive(Debug, Clone, Copy)]
+pub struct Needs<'a> {
+    /// The scene.
+    pub scene: &'a PackedScene,
+    /// What is done with it.
+    pub plan: &'a Plan,
+    /// The device.
+    pub machine: Machine,
+    /// How the maps are cut.
+    pub shapes: Shapes,
+    /// How the image is cut.
+    pub strips: Strips,
+}
+
+impl<'a> Needs<'a> {
+    /// All buffers of a render. Area points are those of the first pass.
+    pub fn buffers(&self) -> Vec<Buffer> {
+        let mut all = scene_buffers(self.scene, self.plan, &self.machine);
+        all.extend(self.pass_buffers());
+        let most = area_points_most(self.plan.settings.memory);
+        let wanted = if self.shapes.diffuse.is_some() {
+            area_points_wanted(self.scene, self.plan.diffuse.radius(0), most)
+        } else {
+            0
+        };
+        all.push(area_points(wanted, most));
+        let bytes = |is_read: &dyn Fn(&str) -> bool| -> u64 {
+            all.iter().filter(|b| is_read(b.name)).map(|b| b.bytes).sum()
+        };
+        let counts = bytes(&|name| name == "status" || name.starts_with("tallies"));
+        let film = |name: &str| FILMS.iter().position(|film| *film == name);
+        // strips keep all of them, the whole image needs what is traced
+        let whole = self.strips.count() == 1;
+        let films = bytes(&|name| film(name).is_some_and(|layer| !whole || self.plan.layers[layer]));
+        let known = bytes(&|name| KNOWN.contains(&name));
+        let together = if whole { counts + films } else { counts.max(films).max(known) };
+        all.push(Buffer::new("staging", together, "what is read back at a time"));
+        all
+    }
+
+    /// Whether both sorted maps are kept: where strips take turns, each looks at both.
+    pub fn maps_apart(&self) -> bool {
+        self.strips.count() > 1 && self.shapes.each().count() > 1
+    }
+
+    /// The image in as few strips as fit, at most so many: no buffer larger than a binding, all together within the budget.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] that names what does not fit.
+    fn cut(mut self, most: u32) -> Result<Strips> {
+        for count in 1..=most {
+            self.strips = Strips::cut(self.scene.size, count);
+            if self.fits().is_ok() {
+                break;
+            }
+        }
+        self.fits().map(|()| self.strips)
+    }
+
+    /// Check that all buffers fit.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] that names what does not.
+    pub fn fits(&self) -> Result<()> {
+        let buffers = self.buffers();
+        // staging is bound by no kernel
+        let bound = buffers.iter().filter(|b| b.name != "staging");
+        if let Some(b) = bound.max_by_key(|b| b.bytes).filter(|b| b.bytes > self.machine.storage_binding) {
+            let remedy = "use --device cpu".to_string();
+            let limit = self.machine.storage_binding;
+            return Err(Error::Capacity { buffer: b.name, need: b.bytes, limit, remedy });
+        }
+        let Some(limit) = self.plan.settings.memory else { return Ok(()) };
+        // later passes have more area points
+        let most = area_points_most(Some(limit));
+        let area = |b: &Buffer| if b.name == "area_points" { area_points(most, most).bytes } else { b.bytes };
+        let need = buffers.iter().map(area).sum();
+        if need > limit {
+            let remedy =
+                "allow more (--memory), render a smaller image (--size) or use --device cpu".to_string();
+            return Err(Error::Capacity { buffer: "the device", need, limit, remedy });
+        }
+        Ok(())
+    }
+
+    /// Those that depend on how the work is cut.
+    pub fn pass_buffers(&self) -> Vec<Buffer> {
+        let shapes: Vec<Shape> = self.shapes.each().collect();
+        let mut all = map_buffers(&shapes, &self.machine);
+        if let (true, Some(shape)) = (self.maps_apart(), self.shapes.caustic) {
+            let [sorted, starts] = sorted_buffers(shape.max_stored(), shape.buckets());
+            all.push(Buffer { name: "sorted_jotons_caustic", ..sorted });
+            all.push(Buffer { name: "bucket_starts_caustic", ..starts });
+        }
+        all.extend(pixel_buffers(self.strips.pixels_held()));
+        all.push(Buffer::new("area_starts", AREA_STARTS as u64 * WORD, "first area point of each bucket"));
+        all.push(Buffer::new("status", u64::from(status::SLOTS) * WORD, "alarms and counts of rays"));
+        all
+    }
+}
+
+/// How a device is expected to cut the maps, before its own pilot: how many jotons lanes store is an estimate.
+pub fn expected_shapes(scene: &PackedScene, plan: &Plan, machine: Machine, traffic: &Traffic) -> Shapes {
+    let shape = |kind, emitted: u32| {
+        let of = |n| Shape::expected(n, &traffic.of(kind), scene.triangles.len(), &machine);
+        (emitted > 0).then_some(emitted).map(of)
+    };
+    Shapes {
+        caustic: shape(Kind::Caustic, plan.caustic_jotons),
+        diffuse: shape(Kind::Diffuse, plan.diffuse_jotons),
+    }
+}
+
+/// Make a render fit: first the image is cut into strips, which changes nothing in it, then passes get fewer jotons.
+///
+/// # Errors
+/// [`Error::Capacity`] with need and limit where the least does not fit.
+pub fn fit(scene: &PackedScene, plan: &mut Plan, shapes: &mut Shapes, machine: Machine) -> Result<Strips> {
+    let thinnest = scene.size[1].div_ceil(TILE);
+    loop {
+        let strips = Strips::whole(scene.size);
+        let needs = Needs { scene, plan, machine, shapes: *shapes, strips };
+        if let Ok(strips) = needs.cut(STRIPS_GOOD.min(thinnest)) {
+            return Ok(strips);
+        }
+        let stored = |kind: &Kind| shapes.of(*kind).map_or(0, |shape| shape.max_stored());
+        let [caustic, diffuse] = Kind::ALL;
+        let larger = if stored(&caustic) > stored(&diffuse) { caustic } else { diffuse };
+        match shapes.of_mut(larger) {
+            Some(shape) if shape.emitted > JOTONS_KEPT => {
+                plan.halve_jotons(scene, larger);
+                *shape = shape.halved();
+            }
+            _ => return needs.cut(thinnest),
+        }
+    }
+}
+
+/// The scene, and the uniforms that never change.
+pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &Machine) -> Vec<Buffer> {
+    let small = is_small(scene, machine);
+    let buffer = |name, count: usize, each: u64, holds| {
+        // a uniform buffer is as long as the kernels say, whatever is in it
+        let bytes = if small { SMALL_BYTES } else { count as u64 * each };
+        Buffer::new(name, bytes, holds)
+    };
+    let emitter = size_of::<PackedEmitter>() as u64;
+    let mut all = vec![
+        buffer("nodes", scene.bvh.node_count(), NODE_BYTES, "hierarchy"),
+        buffer("triangles", scene.triangles.len(), TRIANGLE, "triangles"),
+        Buffer::new(
+            "shading_normals",
+            scene.shading_normals.len() as u64 * NORMALS_BYTES,
+            "normals of smooth surfaces",
+        ),
+        buffer("materials", scene.materials.len(), size_of::<PackedMaterial>() as u64, "materials"),
+        buffer("emitters", scene.emitters.len(), emitter, "lights"),
+    ];
+    for (name, guide, holds) in [
+        ("emitters_direct", &plan.guides.direct, "lights, picked as was learned for shadow rays"),
+        ("emitters_caustic", &plan.guides.caustic, "lights, picked as was learned for the caustic map"),
+        ("emitters_diffuse", &plan.guides.diffuse, "lights, picked as was learned for the diffuse map"),
+    ] {
+        if !guide.is_empty() {
+            all.push(buffer(name, scene.emitters.len(), emitter, holds));
+        }
+    }
+    if is_split(scene, machine) {
+        let bytes = scene.triangles.len() as u64 * TRIANGLE;
+        let part = triangles_part_bytes(machine);
+        for (i, name) in (0..).zip(TRIANGLES) {
+            // what does not fit into all parts is left to the last, and found to be too large
+            let most = if i + 1 < TRIANGLES.len() as u64 { part } else { bytes };
+            let buffer = Buffer::new(
+                name,
+                bytes.saturating_sub(i * part).clamp(TRIANGLE, most),
+                "a part of the triangles",
+            );
+            match all.iter_mut().find(|b| b.name == name) {
+                Some(whole) => *whole = buffer,
+                None => all.push(buffer),
+            }
+        }
+    }
+    let warps = (MAX_WARPS * WARP_WORDS) as u64 * WORD;
+    all.extend([
+        Buffer::new("targets", (MAX_TARGETS * size_of::<Target>()) as u64, "spheres about specular bodies"),
+        Buffer::new("path_filter", size_of::<PathFilter>() as u64, "the automaton of --paths"),
+        Buffer::new("warps_caustic", warps, "learned directions of emission, caustic map"),
+        Buffer::new("warps_diffuse", warps, "learned directions of emission, diffuse map"),
+        Buffer::new("marks", MARK_WORDS as u64 * WORD, "cells where the camera looks"),
+        Buffer::new("tiles", tiles_bytes(scene.size), "tiles, those that rest last"),
+        Buffer::new("ring", RING_BYTES, "uniforms of a submission"),
+    ]);
+    all
+}
+
+/// The list of an image's tiles: whole bindings.
+fn tiles_bytes([width, height]: [u32; 2]) -> u64 {
+    let tiles = u64::from(width.div_ceil(TILE)) * u64::from(height.div_ceil(TILE));
+    let binding = u64::from(TILES_VECTORS) * GRAIN;
+    (tiles * WORD).next_multiple_of(binding).max(binding)
+}
+
+/// Names of the parts of the triangles where they are more than a binding holds. Nodes are fewer and normals smaller: both
+/// fit where the triangles do.
+pub const TRIANGLES: [&str; 4] = ["triangles", "triangles_1", "triangles_2", "triangles_3"];
+/// Storage buffers of the kernel that has most of them, with all these parts.
+const STORAGE_BUFFERS_SPLIT: u32 = 8 + TRIANGLES.len() as u32 - 1;
+
+/// Bytes of a triangle.
+const TRIANGLE: u64 = size_of::<PackedTriangle>() as u64;
+
+/// Binary logarithm of the triangles in a part: as many as a binding holds.
+pub fn triangles_part(machine: &Machine) -> u32 {
+    (machine.storage_binding / TRIANGLE).max(1).ilog2()
+}
+
+/// Bytes of a part of the triangles.
+pub fn triangles_part_bytes(machine: &Machine) -> u64 {
+    TRIANGLE << triangles_part(machine)
+}
+
+/// True where the triangles are more than a binding holds, and the device can bind their parts.
+pub fn is_split(scene: &PackedScene, machine: &Machine) -> bool {
+    scene.triangles.len() as u64 * TRIANGLE > machine.storage_binding
+        && machine.storage_buffers >= STORAGE_BUFFERS_SPLIT
+}
+
+/// True for a scene that fits into uniform buffers.
+pub fn is_small(scene: &PackedScene, machine: &Machine) -> bool {
+    let fits = |count: usize, most: u32| count <= most as usize;
+    machine.uniform_binding >= SMALL_BYTES
+        && fits(scene.bvh.node_count() * NODE_WORDS, SMALL_NODE_WORDS)
+        && fits(scene.triangles.len(), SMALL_TRIANGLES)
+        && fits(scene.materials.len(), SMALL_MATERIALS)
+        && fits(scene.emitters.len(), SMALL_EMITTERS)
+}
+
+/// What the maps need; they take turns on all but the tallies.
+pub fn map_buffers(shapes: &[Shape], machine: &Machine) -> Vec<Buffer> {
+    let most = |f: &dyn Fn(&Shape) -> u64| shapes.iter().map(f).max().unwrap_or(1).max(1);
+    let lanes = most(&|s| u64::from(s.lanes));
+    let stored = most(&|s| s.max_stored());
+    let histogram = most(&|s| u64::from(s.chunks(machine)) << DIGIT_BITS);
+    let scanned = histogram.max(lanes + 1);
+    let tallies = lanes * size_of::<LaneTally>() as u64;
+    let jotons = stored * size_of::<Joton>() as u64;
+    let mut all = vec![
+        Buffer::new("lanes", lanes * size_of::<Lane>() as u64, "jotons on their way"),
+        Buffer::new("tallies_caustic", tallies, "counts and energy, caustic map"),
+        Buffer::new("tallies_diffuse", tallies, "counts and energy, diffuse map"),
+        Buffer::new("lane_starts", (lanes + 1) * WORD, "first joton of each lane"),
+        Buffer::new("jotons", jotons, "jotons as they were stored"),
+        Buffer::new("keys_a", stored * WORD, "grid bucket of each joton"),
+        Buffer::new("keys_b", stored * WORD, "the same, other half of a sort"),
+        Buffer::new("places_a", stored * WORD, "place of each joton"),
+        Buffer::new("places_b", stored * WORD, "the same, other half of a sort"),
+        Buffer::new("histogram", histogram * WORD, "digits of a sort"),
+        Buffer::new("block_sums", scanned.div_ceil(u64::from(SCAN_BLOCK)) * WORD, "sums of a scan"),
+    ];
+    all.extend(sorted_buffers(stored, most(&Shape::buckets)));
+    all
+}
+
+/// A sorted map.
+fn sorted_buffers(stored: u64, buckets: u64) -> [Buffer; 2] {
+    let jotons = stored * size_of::<Joton>() as u64;
+    [
+        Buffer::new("sorted_jotons", jotons, "jotons in the order of the grid"),
+        Buffer::new("bucket_starts", buckets * WORD, "first joton of each bucket"),
+    ]
+}
+
+/// What each pixel needs.
+fn pixel_buffers(pixels: u64) -> Vec<Buffer> {
+    let mut all = vec![
+        Buffer::new("gather_points", pixels * size_of::<GatherPoint>() as u64, "where camera paths end"),
+        Buffer::new("fits", pixels * size_of::<Fit>() as u64, "weights of the discs at boundaries"),
+        Buffer::new("radii", pixels * size_of::<Fit>() as u64, "radius of the caustic map"),
+        Buffer::new("counts", pixels * WORD, "jotons that the pilot found"),
+        Buffer::new("edges", pixels * WORD, "whether a disc is whole"),
+        Buffer::new("clips", pixels * size_of::<Clip>() as u64, "walls about a disc"),
+    ];
+    all.extend(FILMS.map(|film| Buffer::new(film, pixels * FILM_PIXEL, "sums of a layer")));
+    all
+}
+
+/// How many area points the discs of a pass want, with at most `most`.
+pub fn area_points_wanted(scene: &PackedScene, radius: f64, most: usize) -> usize {
+    let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
+    ((POINTS_PER_DISC * discs) as usize).clamp(1, most)
+}
+
+/// Most area points of a render that may take so much memory.
+pub fn area_points_most(memory: Option<u64>) -> usize {
+    let share = |bytes: u64| (bytes / AREA_MEMORY_SHARE) as usize / size_of::<AreaPoint>();
+    memory.map_or(AREA_POINTS_MAX, share).clamp(1, AREA_POINTS_MAX)
+}
+
+/// The buffer for so many area points, of at most `most`.
+pub fn area_points(count: usize, most: usize) -> Buffer {
+    let each = size_of::<AreaPoint>() as u64;
+    // rounding may add one
+    let bytes = ((count * AREA_SLACK).min(most) as u64 + 1) * each;
+    Buffer::new("area_points", bytes, "sample of the diffuse surfaces")
+}

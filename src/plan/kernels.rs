@@ -1,0 +1,253 @@
+//! Kernels: what a pass dispatches, how much work that is, and what it costs, told without a device.
+//!
+//! **Costs** are milliseconds of a reference machine: two idle cores, lavapipe of Mesa 22.3.6 (LLVM 15, 8 lanes). Unit
+//! costs were fitted by hand to `--timings` of the first 8 passes at 256 × 256 of three scenes: the Cornell box (38
+//! triangles), the box with a glass and a mirror sphere (41,000) and a pool seen through waves (40,500), and the sum then
+//! compared with half the CPU seconds of a first pass (median of three seeds): told 107, 206, 310, measured 113, 204, 310;
+//! scenes/ furnace 115 and 107, pool 277 and 280, ring 121 and 84, spheres 191 and 191. Other machines differ in all of it.
+
+use super::buffers::{Needs, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
+use super::shape::{DIGIT_BITS, Kind, Shape, Strip};
+use super::traffic::Traffic;
+use crate::film::Layer;
+use crate::layout::{GatherPoint, Joton, Lane, TILE};
+use std::f64::consts::PI;
+
+/// A kernel in a pass: all its dispatches together.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Kernel {
+    /// File and entry point, as the report of a render names it.
+    pub name: &'static str,
+    /// The map that it works for, of those that work for both.
+    pub map: Option<&'static str>,
+    /// Dispatches.
+    pub dispatches: u64,
+    /// Invocations of all of them.
+    pub invocations: u64,
+    /// Rays; estimated.
+    pub rays: u64,
+    /// Jotons or area points that are tested against a disc; estimated.
+    pub tests: u64,
+    /// Bytes read and written, but for the scene; estimated.
+    pub bytes: u64,
+    /// Estimated cost on the reference machine, milliseconds.
+    pub milliseconds: f64,
+}
+
+/// Nanoseconds of a ray from the eye or to a light in a scene of one node …
+const RAY_COHERENT: f64 = 38.0;
+/// … and more for each doubling of the triangles beyond.
+const RAY_COHERENT_DOUBLING: f64 = 9.0;
+/// The same of a joton's ray.
+const RAY_SCATTERED: f64 = 75.0;
+const RAY_SCATTERED_DOUBLING: f64 = 24.0;
+/// Triangles from which on doublings count.
+const TRIANGLES_FEW: f64 = 32.0;
+/// Part of a ray's cost in a scene that lies in uniform buffers.
+const SMALL_SHARE: f64 = 0.75;
+/// Nanoseconds of a joton or area point that is tested.
+const TEST: f64 = 1.7;
+/// Nanoseconds of an invocation, over its rays, tests and bytes.
+const INVOCATION: f64 = 5.0;
+/// Nanoseconds of what is done with a ray from the eye where it ends, with one to a light, and to start a joton.
+const EYE: f64 = 40.0;
+const DIRECT: f64 = 100.0;
+const EMISSION: f64 = 120.0;
+/// Nanoseconds of a gather point: its row of cells, its walls.
+const GATHER: f64 = 150.0;
+/// Nanoseconds of a byte.
+const BYTE: f64 = 0.12;
+/// Nanoseconds of a dispatch.
+const DISPATCH: f64 = 6000.0;
+
+/// Jotons tested for each that lies in the disc: cells are squares, and lanes look together.
+const TESTED_SHARE: f64 = 1.8;
+/// Jotons tested for each that a disc of the caustic map shall hold: its cells are as wide as the largest disc, and most
+/// discs are far smaller.
+const TESTED_SHARE_CAUSTIC: f64 = 6.0;
+/// Part of the discs that edges cut or that have to be looked at for it.
+const CUT_SHARE: f64 = 0.6;
+/// Chains of the glint kernel for each of its pixels.
+const GLINT_CHAINS: f64 = 4.0;
+/// Part of the pixels on the edges of lamps.
+const GLINT_EDGES: f64 = 0.03;
+/// Pixels that the pilot marks for each whose one path sees a light so: it looks eight times, and at neighbours.
+const GLINT_NEAR: f64 = 4.0;
+/// Bytes of a word, and of a pixel of a film that is read and written.
+const WORD: f64 = 4.0;
+const FILM: f64 = 32.0;
+
+/// What one kernel does for one item.
+#[derive(Clone, Copy, Default)]
+struct Work {
+    rays: f64,
+    tests: f64,
+    bytes: f64,
+    /// Nanoseconds of everything else.
+    rest: f64,
+}
+
+impl Needs<'_> {
+    /// The kernels of the first pass, in their order.
+    pub fn kernels(&self, traffic: &Traffic) -> Vec<Kernel> {
+        let mut list = List { coherent: self.ray(false), scattered: self.ray(true), kernels: Vec::new() };
+        let maps: Vec<(Kind, Shape)> =
+            Kind::ALL.into_iter().filter_map(|k| Some((k, self.shapes.of(k)?))).collect();
+        let strips: Vec<Strip> = self.strips.each().collect();
+        self.camera_kernels(&mut list, traffic, &strips);
+        for &(kind, shape) in &maps {
+            self.map_kernels(&mut list, traffic, kind, shape);
+            self.gather_kernels(&mut list, traffic, kind, &strips);
+        }
+        list.kernels
+    }
+
+    /// Nanoseconds of a ray.
+    fn ray(&self, scattered: bool) -> f64 {
+        let (few, doubling) = if scattered {
+            (RAY_SCATTERED, RAY_SCATTERED_DOUBLING)
+        } else {
+            (RAY_COHERENT, RAY_COHERENT_DOUBLING)
+        };
+        let doublings = (self.scene.triangles.len() as f64 / TRIANGLES_FEW).log2().max(0.0);
+        let small = if is_small(self.scene, &self.machine) { SMALL_SHARE } else { 1.0 };
+        (few + doubling * doublings) * small
+    }
+
+    fn camera_kernels(&self, list: &mut List, traffic: &Traffic, strips: &[Strip]) {
+        let rows = |s: &Strip| u64::from(s.rows) * u64::from(self.strips.size[0]);
+        let pixels: Vec<u64> = strips.iter().map(rows).collect();
+        let camera = &traffic.camera;
+        let point = size_of::<GatherPoint>() as f64;
+        let eye = Work {
+            rays: camera.rays,
+            bytes: 2.0 * point + FILM,
+            rest: INVOCATION + camera.rays * EYE,
+            ..Work::default()
+        };
+        list.add("eye", None, &pixels, eye);
+        if self.plan.traces(Layer::Emission) {
+            let share = (GLINT_EDGES + GLINT_NEAR * camera.glints).min(1.0);
+            let rays = share * GLINT_CHAINS * camera.rays;
+            let glint = Work { rays, bytes: point, rest: INVOCATION + rays * EYE, ..Work::default() };
+            list.add("glint", None, &pixels, glint);
+        }
+        if self.plan.traces(Layer::Direct) {
+            let rays = camera.stored * f64::from(self.plan.settings.shadow_rays);
+            let direct =
+                Work { rays, bytes: point + FILM, rest: INVOCATION + rays * DIRECT, ..Work::default() };
+            list.add("direct", None, &pixels, direct);
+        }
+    }
+
+    /// Filling and sorting a map.
+    fn map_kernels(&self, list: &mut List, traffic: &Traffic, kind: Kind, shape: Shape) {
+        let mean = traffic.of(kind);
+        let map = Some(kind.name());
+        let lanes = u64::from(shape.lanes);
+        let emitted = f64::from(shape.emitted);
+        let stored = emitted * mean.stored;
+        let joton = size_of::<Joton>() as f64;
+        // what a whole step does, shared out among its invocations
+        let shared = |total: f64, by: u64| total / (by.max(1) as f64);
+        let dispatches = u64::from(shape.dispatches);
+        let trace = Work {
+            rays: shared(emitted * mean.rays, lanes * dispatches),
+            bytes: 2.0 * size_of::<Lane>() as f64 + shared(stored * joton, lanes * dispatches),
+            rest: INVOCATION + shared(emitted * EMISSION, lanes * dispatches),
+            ..Work::default()
+        };
+        list.add_scattered("trace", map, &vec![lanes; dispatches as usize], trace);
+        let moved = |bytes: f64| Work { bytes, rest: INVOCATION, ..Work::default() };
+        list.add("lane_counts", map, &[lanes + 1], moved(2.0 * WORD));
+        let mut scans = vec![lanes + 1];
+        list.add("map_keys", map, &[lanes], moved(shared(stored * (joton + 2.0 * WORD), lanes)));
+        let chunks = u64::from(shape.chunks(&self.machine));
+        let digits = vec![chunks; shape.digits() as usize];
+        let histogram = f64::from(1 << DIGIT_BITS) * WORD;
+        list.add("radix count", map, &digits, moved(shared(stored * WORD, chunks) + histogram));
+        list.add("radix scatter", map, &digits, moved(shared(stored * 4.0 * WORD, chunks) + histogram));
+        scans.extend(digits.iter().map(|chunks| chunks << DIGIT_BITS));
+        let block = f64::from(SCAN_BLOCK) * WORD;
+        let blocks: Vec<u64> = scans.iter().map(|count| count.div_ceil(u64::from(SCAN_BLOCK))).collect();
+        list.add("scan reduce", map, &blocks, moved(block));
+        let sums = blocks.iter().sum::<u64>() as f64 / blocks.len() as f64 * 2.0 * WORD;
+        list.add("scan spine", map, &vec![1; blocks.len()], moved(sums));
+        list.add("scan apply", map, &blocks, moved(2.0 * block));
+        let search = stored.max(2.0).log2() * WORD;
+        list.add("map_starts", map, &[shape.buckets()], moved(search));
+        let slots = shape.max_stored();
+        list.add("map_reorder", map, &[slots], moved(shared(stored * (2.0 * joton + WORD), slots)));
+    }
+
+    fn gather_kernels(&self, list: &mut List, traffic: &Traffic, kind: Kind, strips: &[Strip]) {
+        let map = Some(kind.name());
+        let tiles = |s: &Strip| {
+            let [across, down] = [self.strips.size[0], s.rows].map(|n| u64::from(n.div_ceil(TILE)));
+            across * down * u64::from(TILE * TILE)
+        };
+        let pixels: Vec<u64> = strips.iter().map(tiles).collect();
+        let point = size_of::<GatherPoint>() as f64;
+        let points = traffic.camera.stored;
+        let gather = |tests: f64| Work {
+            tests: points * tests,
+            bytes: point + FILM,
+            rest: points * GATHER,
+            rays: 0.0,
+        };
+        if kind == Kind::Caustic {
+            list.add(
+                "gather",
+                map,
+                &pixels,
+                gather(f64::from(self.plan.caustic_wanted) * TESTED_SHARE_CAUSTIC),
+            );
+            return;
+        }
+        let radius = self.plan.diffuse.radius(0);
+        let discs = self.scene.diffuse_area / (PI * radius * radius);
+        let area_points =
+            area_points_wanted(self.scene, radius, area_points_most(self.plan.settings.memory)) as f64;
+        let boundary = gather(CUT_SHARE * TESTED_SHARE * area_points / discs);
+        list.add("boundary", map, &pixels, boundary);
+        let stored = f64::from(self.plan.diffuse_jotons) * traffic.of(kind).stored;
+        list.add("gather", map, &pixels, gather(TESTED_SHARE * stored / discs));
+    }
+}
+
+/// Collects kernels and what they cost.
+struct List {
+    /// Nanoseconds of a ray.
+    coherent: f64,
+    scattered: f64,
+    kernels: Vec<Kernel>,
+}
+
+impl List {
+    /// A kernel that is dispatched over these numbers of items.
+    fn add(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work) {
+        self.push(name, map, items, each, self.coherent);
+    }
+
+    /// One whose rays go anywhere.
+    fn add_scattered(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work) {
+        self.push(name, map, items, each, self.scattered);
+    }
+
+    fn push(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work, ray: f64) {
+        let invocations: u64 = items.iter().sum();
+        let n = invocations as f64;
+        let nanoseconds = DISPATCH * items.len() as f64
+            + n * (each.rays * ray + each.tests * TEST + each.bytes * BYTE + each.rest);
+        self.kernels.push(Kernel {
+            name,
+            map,
+            dispatches: items.len() as u64,
+            invocations,
+            rays: (n * each.rays) as u64,
+            tests: (n * each.tests) as u64,
+            bytes: (n * each.bytes) as u64,
+            milliseconds: nanoseconds * 1e-6,
+        });
+    }
+}

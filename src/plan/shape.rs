@@ -1,0 +1,282 @@
+//! Shapes: how the work of a pass is cut, so that it fits a device: jotons into lanes, the image into strips of rows.
+
+use super::traffic::Mean;
+use crate::layout::{STEP_BUDGET, TILE};
+
+/// What a device is, as far as sizes follow from it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Machine {
+    /// It runs on the host's processor (lavapipe, SwiftShader).
+    pub is_software: bool,
+    /// Bytes of a storage buffer, at most.
+    pub storage_binding: u64,
+    /// Bytes of a uniform buffer, at most.
+    pub uniform_binding: u64,
+    /// Storage buffers of a kernel, at most.
+    pub storage_buffers: u32,
+}
+
+impl Machine {
+    /// The machine that `joton plan` tells sizes and costs of: lavapipe, whose bindings are as small as WebGPU's.
+    pub const REFERENCE: Self = Self {
+        is_software: true,
+        storage_binding: 128 << 20,
+        uniform_binding: 64 << 10,
+        storage_buffers: 32,
+    };
+}
+
+/// Jotons that a lane traces, one after the other: lanes stay busy where others' jotons die early.
+const JOTONS_PER_LANE_SOFTWARE: u32 = 64;
+/// On a GPU thousands of lanes run together.
+const JOTONS_PER_LANE: u32 = 4;
+/// Bits of a radix digit.
+pub const DIGIT_BITS: u32 = 8;
+/// Jotons up to which keys have 16 bits; beyond they have 20.
+const SMALL_MAP: u64 = 1 << 19;
+
+/// Which of the two maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// L S+ D.
+    Caustic,
+    /// Everything that met a D before.
+    Diffuse,
+}
+
+impl Kind {
+    /// Both, in the order of a pass.
+    pub const ALL: [Kind; 2] = [Kind::Caustic, Kind::Diffuse];
+
+    /// Name, lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Caustic => "caustic",
+            Kind::Diffuse => "diffuse",
+        }
+    }
+}
+
+/// How a map's emission is cut into lanes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shape {
+    /// Jotons emitted a pass.
+    pub emitted: u32,
+    /// Invocations that trace them.
+    pub lanes: u32,
+    /// Jotons that a lane can store.
+    pub lane_capacity: u32,
+    /// Dispatches of the trace kernel in a pass.
+    pub dispatches: u32,
+}
+
+/// Room for lanes that store more than the pilot's fullest one.
+const CAPACITY_SLACK: f64 = 1.5;
+/// Jotons more than that, since lanes that store few differ much.
+const CAPACITY_MORE: u32 = 4;
+/// Deviations by which the fullest of a few hundred lanes exceeds the mean.
+const DEVIATIONS: f64 = 3.0;
+/// Loop iterations of an emission, and of a ray for each doubling of the triangles.
+const STEPS_EMIT: f64 = 35.0;
+const STEPS_RAY: f64 = 2.0;
+
+/// Room for a lane of which one was found to store so many.
+pub fn roomy(stored: u32) -> u32 {
+    (f64::from(stored) * CAPACITY_SLACK) as u32 + CAPACITY_MORE
+}
+
+/// Dispatches of a pass where the pilot needed so many: other passes take a little longer.
+pub fn dispatches_kept(needed: u32) -> u32 {
+    needed + 1 + needed / 2
+}
+
+impl Shape {
+    /// So many jotons in lanes, before anything is known of these.
+    pub fn new(emitted: u32, machine: &Machine) -> Self {
+        let per_lane = if machine.is_software { JOTONS_PER_LANE_SOFTWARE } else { JOTONS_PER_LANE };
+        Self { emitted, lanes: emitted.div_ceil(per_lane), lane_capacity: 1, dispatches: 1 }
+    }
+
+    /// So many jotons in lanes, as the pilot is expected to cut them: a lane's fullest is a few deviations over its mean.
+    pub fn expected(emitted: u32, mean: &Mean, triangles: usize, machine: &Machine) -> Self {
+        let shape = Self::new(emitted, machine);
+        let jotons = f64::from(emitted) / f64::from(shape.lanes.max(1));
+        // numbers of hits are geometric, or nearly so
+        let deviation = (jotons * mean.stored * (1.0 + mean.stored)).sqrt();
+        let fullest = (jotons * mean.stored + DEVIATIONS * deviation).ceil();
+        let doublings = (triangles as f64).log2().max(1.0);
+        let steps = jotons * (STEPS_EMIT + mean.rays * STEPS_RAY * doublings);
+        let needed = ((steps / f64::from(STEP_BUDGET)).ceil() as u32).max(1).next_power_of_two();
+        // as the pilot does: one is room enough where no lane was found to store more
+        let lane_capacity = if fullest > 1.0 { roomy(fullest as u32) } else { shape.lane_capacity };
+        Self { lane_capacity, dispatches: dispatches_kept(needed), ..shape }
+    }
+
+    /// Half the jotons in half the lanes.
+    pub fn halved(&self) -> Self {
+        Self { emitted: self.emitted.div_ceil(2), lanes: self.lanes.div_ceil(2), ..*self }
+    }
+
+    /// Most jotons that are stored in a pass.
+    pub fn max_stored(&self) -> u64 {
+        u64::from(self.lanes) * u64::from(self.lane_capacity)
+    }
+
+    /// Bits of a bucket's number.
+    pub fn key_bits(&self) -> u32 {
+        if self.max_stored() <= SMALL_MAP { 16 } else { 20 }
+    }
+
+    /// Entries of the bucket table: rows, columns and one more.
+    pub fn buckets(&self) -> u64 {
+        (1 << self.key_bits()) + 2
+    }
+
+    /// Digits that the sort works off.
+    pub fn digits(&self) -> u32 {
+        self.key_bits().div_ceil(DIGIT_BITS)
+    }
+
+    /// Items that one invocation of the sort takes: long where lanes are few, short where a GPU has thousands.
+    pub fn chunk(&self, machine: &Machine) -> u32 {
+        if machine.is_software { 2048 } else { (self.max_stored() / 4096).clamp(64, 2048) as u32 }
+    }
+
+    /// Invocations of the sort.
+    pub fn chunks(&self, machine: &Machine) -> u32 {
+        self.max_stored().div_ceil(u64::from(self.chunk(machine))) as u32
+    }
+}
+
+/// How each map is cut into lanes; none where it is skipped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shapes {
+    /// The caustic map.
+    pub caustic: Option<Shape>,
+    /// The diffuse map.
+    pub diffuse: Option<Shape>,
+}
+
+impl Shapes {
+    /// Of one map.
+    pub fn of(&self, kind: Kind) -> Option<Shape> {
+        match kind {
+            Kind::Caustic => self.caustic,
+            Kind::Diffuse => self.diffuse,
+        }
+    }
+
+    /// Of one map, to be changed.
+    pub fn of_mut(&mut self, kind: Kind) -> &mut Option<Shape> {
+        match kind {
+            Kind::Caustic => &mut self.caustic,
+            Kind::Diffuse => &mut self.diffuse,
+        }
+    }
+
+    /// Of the maps that are traced.
+    pub fn each(&self) -> impl Iterator<Item = Shape> {
+        [self.caustic, self.diffuse].into_iter().flatten()
+    }
+}
+
+/// The image in strips of rows, one of which is on the device at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Strips {
+    /// Image width and height, pixels.
+    pub size: [u32; 2],
+    /// Rows of a strip: all, or a multiple of [`TILE`], so that workgroups are the same whatever the strips.
+    pub rows: u32,
+}
+
+/// A strip: the rows that it renders, and those that its buffers hold. What a pixel's neighbours were found to be is looked
+/// up, so there is one row more on each side, where the image has one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Strip {
+    /// First row that is rendered.
+    pub first: u32,
+    /// Rows that are rendered.
+    pub rows: u32,
+    /// First row in the buffers.
+    pub held_first: u32,
+    /// Rows in the buffers.
+    pub held_rows: u32,
+}
+
+impl Strip {
+    /// What the buffers hold, all of it rendered: the pilot's.
+    pub fn with_overlap(self) -> Self {
+        Self { first: self.held_first, rows: self.held_rows, ..self }
+    }
+}
+
+/// Rows on each side of a strip that its pixels look at.
+const OVERLAP: u32 = 1;
+
+impl Strips {
+    /// All of an image in one.
+    pub fn whole(size: [u32; 2]) -> Self {
+        Self { size, rows: size[1] }
+    }
+
+    /// An image in `count` strips, or as many as its tiles allow.
+    pub fn cut(size: [u32; 2], count: u32) -> Self {
+        if count <= 1 {
+            return Self::whole(size);
+        }
+        Self { size, rows: size[1].div_ceil(count).next_multiple_of(TILE).min(size[1]) }
+    }
+
+    /// Number of strips.
+    pub fn count(&self) -> u32 {
+        self.size[1].div_ceil(self.rows)
+    }
+
+    /// Strip number `i`.
+    pub fn strip(&self, i: u32) -> Strip {
+        let height = self.size[1];
+        let first = i * self.rows;
+        let end = (first + self.rows).min(height);
+        let held_first = first.saturating_sub(OVERLAP);
+        let held_end = (end + OVERLAP).min(height);
+        Strip { first, rows: end - first, held_first, held_rows: held_end - held_first }
+    }
+
+    /// All strips, from the top.
+    pub fn each(&self) -> impl Iterator<Item = Strip> + use<> {
+        let strips = *self;
+        (0..strips.count()).map(move |i| strips.strip(i))
+    }
+
+    /// Pixels that the buffers hold, at most.
+    pub fn pixels_held(&self) -> u64 {
+        let rows = if self.count() == 1 { self.rows } else { (self.rows + 2 * OVERLAP).min(self.size[1]) };
+        u64::from(self.size[0]) * u64::from(rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every row is rendered by one strip, which holds its neighbours, too.
+    #[test]
+    fn strips_cover_the_image_once() {
+        for height in [1, 7, 8, 9, 17, 64, 65, 1600] {
+            for count in [1, 2, 3, 5, 1000] {
+                let strips = Strips::cut([3, height], count);
+                let mut next = 0;
+                for s in strips.each() {
+                    assert_eq!(s.first, next);
+                    assert!(s.rows > 0 && (s.first % TILE == 0));
+                    let around = s.first.saturating_sub(1)..(s.first + s.rows + 1).min(height);
+                    assert_eq!(s.held_first..s.held_first + s.held_rows, around);
+                    assert!(3 * u64::from(s.held_rows) <= strips.pixels_held());
+                    next = s.first + s.rows;
+                }
+                assert_eq!(next, height);
+                assert!(strips.count() <= count);
+            }
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Memory: what the plan tells of buffers and kernels is what a device really has and does.
+
+mod common;
+
+use common::scenes::{Builder, emitter, mirror};
+use joton::Error;
+use joton::backend::{Backend, Batch};
+use joton::film::{Image, Layer};
+use joton::gpu::{Context, GpuBackend};
+use joton::pack::PackedScene;
+use joton::plan::buffers::{Buffer, Needs, expected_shapes};
+use joton::plan::shape::{Kind, Machine, Strips};
+use joton::plan::traffic::Traffic;
+use joton::plan::{Plan, Settings};
+use joton::render::{Stop, render};
+use joton::stats::{Estimate, test_equal};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A probability at which two estimates count as different: one in ten thousand tests would do so by chance.
+const SIGNIFICANCE: f64 = 1e-4;
+
+/// One of the scenes of the repository at this size.
+fn file(name: &str, size: [u32; 2]) -> Arc<PackedScene> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    let mut scene = joton::scene::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    scene.resize(size);
+    Arc::new(PackedScene::new(&scene))
+}
+
+fn open(scene: &Arc<PackedScene>, settings: Settings) -> GpuBackend {
+    let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::new(scene, settings);
+    GpuBackend::new(context, Arc::clone(scene), plan).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The buffers that the plan lists for the shapes in use are those that were created, byte for byte; the kernels that it
+/// lists are those that ran, as often. Scenes with and without a caustic map, in uniform buffers and not.
+#[test]
+fn what_the_plan_tells_is_what_the_device_does() {
+    device_or_return!();
+    for name in ["cornell.toml", "spheres.toml", "pool.toml"] {
+        let scene = file(name, [40, 24]);
+        let mut backend = open(&scene, Settings::default());
+        backend.measure_kernels();
+        backend.render(0, 1).unwrap_or_else(|e| panic!("{e}"));
+
+        let needs = backend.needs();
+        let mut told: Vec<_> = needs.buffers().iter().map(|b| (b.name, b.bytes)).collect();
+        told.sort_unstable();
+        assert_eq!(told, backend.memory(), "{name}");
+
+        let traffic = Traffic::look(&scene, needs.plan);
+        let mut told: BTreeMap<String, u64> = BTreeMap::new();
+        for kernel in needs.kernels(&traffic) {
+            *told.entry(kernel.name.into()).or_default() += kernel.dispatches;
+        }
+        let ran: BTreeMap<String, u64> =
+            backend.kernel_seconds().into_iter().map(|(n, _, d)| (n, d)).collect();
+        assert!(!ran.is_empty(), "the device has timestamps");
+        assert_eq!(told, ran, "{name}");
+    }
+}
+
+/// What is expected before a device has looked comes near to what it then needs, and traces: bytes of jotons within a
+/// factor of two, rays and jotons within a tenth (their means of 4096 paths have a standard error of 2 %).
+#[test]
+fn expectations_come_near() {
+    device_or_return!();
+    for name in ["cornell.toml", "spheres.toml", "ring.toml"] {
+        let scene = file(name, [64, 64]);
+        let mut backend = open(&scene, Settings::default());
+        let tally = backend.render(0, 1).unwrap_or_else(|e| panic!("{e}")).tally;
+        let needs = backend.needs();
+        let traffic = Traffic::look(&scene, needs.plan);
+        let expected = expected_shapes(&scene, needs.plan, needs.machine, &traffic);
+        for (expected, found) in expected.each().zip(needs.shapes.each()) {
+            let ratio = expected.max_stored() as f64 / found.max_stored() as f64;
+            assert!((0.5..2.0).contains(&ratio), "{name}: room for {ratio} of the jotons");
+        }
+        let stored = f64::from(needs.plan.caustic_jotons) * traffic.caustic.stored
+            + f64::from(needs.plan.diffuse_jotons) * traffic.diffuse.stored;
+        let ratio = stored / tally.jotons_stored as f64;
+        assert!((0.9..1.1).contains(&ratio), "{name}: {ratio} of the jotons are expected");
+    }
+}
+
+/// Without any device: every number is there, the total is the sum, and costs follow the work.
+#[test]
+fn costs_follow_the_work() {
+    let of = |size: [u32; 2]| -> (f64, u64) {
+        let scene = file("spheres.toml", size);
+        let plan = Plan::new(&scene, Settings::default());
+        let traffic = Traffic::look(&scene, &plan);
+        let machine = Machine::REFERENCE;
+        let shapes = expected_shapes(&scene, &plan, machine, &traffic);
+        let needs = Needs { scene: &scene, plan: &plan, machine, shapes, strips: Strips::whole(size) };
+        let kernels = needs.kernels(&traffic);
+        assert!(kernels.iter().all(|k| k.milliseconds > 0.0 && k.dispatches > 0 && k.invocations > 0));
+        let bytes = needs.buffers().iter().map(|b| b.bytes).sum();
+        (kernels.iter().map(|k| k.milliseconds).sum(), bytes)
+    };
+    let (small, large) = (of([128, 128]), of([512, 512]));
+    // sixteen times the pixels; jotons grow less, and a disc holds as many
+    assert!((4.0..16.0).contains(&(large.0 / small.0)), "{small:?} {large:?}");
+    assert!((4.0..16.0).contains(&(large.1 as f64 / small.1 as f64)), "{small:?} {large:?}");
+}
+
+/// Bytes that a render needs in so many strips, where area points take up all that they may.
+fn memory_for(backend: &GpuBackend, count: u32) -> u64 {
+    let needs = Needs { strips: Strips::cut(backend.needs().scene.size, count), ..backend.needs() };
+    assert_eq!(needs.strips.count(), count);
+    let without = |b: &&Buffer| b.name != "area_points";
+    let bytes: u64 = needs.buffers().iter().filter(without).map(|b| b.bytes).sum();
+    // area points get an eighth, and buffers come in 16 bytes
+    bytes * 8 / 7 + 64
+}
+
+/// Strips leave no trace: one and three give the same image and the same counts, bit for bit, and three need less memory,
+/// no more than they were allowed. Batches of several passes, with caustics, glints, walls and neighbours across seams.
+#[test]
+fn strips_leave_no_trace() {
+    device_or_return!();
+    // two maps are both kept where there are strips: only larger images win memory by these
+    for (name, size) in [("cornell.toml", [36, 44]), ("spheres.toml", [160, 120]), ("pool.toml", [160, 120])]
+    {
+        let scene = file(name, size);
+        let mut whole = open(&scene, Settings::default());
+        let allowed = memory_for(&whole, 3);
+        let mut cut = open(&scene, Settings { memory: Some(allowed), ..Settings::default() });
+        assert_eq!((whole.needs().strips.count(), cut.needs().strips.count()), (1, 3), "{name}");
+        for (first, count) in [(0, 1), (1, 3)] {
+            let [a, b] =
+                [&mut whole, &mut cut].map(|b| b.render(first, count).unwrap_or_else(|e| panic!("{e}")));
+            assert!(bits(&a) == bits(&b), "{name}: strips are seen in passes from {first} on");
+            assert_eq!(a.tally, b.tally, "{name}");
+        }
+        let total = |b: &GpuBackend| b.memory().iter().map(|(_, bytes)| bytes).sum::<u64>();
+        assert!(total(&cut) <= allowed && total(&cut) < total(&whole), "{name}: {}", total(&cut));
+    }
+}
+
+/// A render that is allowed less than it would take keeps to that and shows the same image: fewer jotons a pass, more
+/// passes to the same noise. z-test in blocks over independent seeds; 4 % more light is found to differ.
+#[test]
+fn less_memory_shows_the_same_image() {
+    device_or_return!();
+    const SIZE: u32 = 32;
+    let scene = file("cornell.toml", [SIZE; 2]);
+    let need: u64 = open(&scene, Settings::default()).memory().iter().map(|(_, bytes)| bytes).sum();
+    // half: the jotons of a pass take most of it at this size
+    let allowed = need / 2;
+    let images = |seeds: std::ops::Range<u32>, memory: Option<u64>| -> Vec<Image> {
+        seeds
+            .map(|seed| {
+                let mut backend = open(&scene, Settings { seed, memory, ..Settings::default() });
+                let stop = Stop { passes: Some(8), ..Stop::default() };
+                let done = render(&mut backend, scene.size, stop, |_| true).unwrap_or_else(|e| panic!("{e}"));
+                if memory.is_some() {
+                    let total: u64 = backend.memory().iter().map(|(_, bytes)| bytes).sum();
+                    assert!(total <= allowed, "{total} of {allowed} bytes");
+                    assert!(
+                        backend.needs().plan.diffuse_jotons
+                            < Plan::new(&scene, Settings::default()).diffuse_jotons
+                    );
+                }
+                // lamps in view are noisy at their edges
+                let mut image = done.picture.layers[Layer::Diffuse as usize].clone();
+                let direct = &done.picture.layers[Layer::Direct as usize];
+                for (sum, x) in image.pixels.iter_mut().flatten().zip(direct.pixels.iter().flatten()) {
+                    *sum += x;
+                }
+                image
+            })
+            .collect()
+    };
+    let (less, all) = (images(0..8, Some(allowed)), images(100..108, None));
+    let estimate =
+        |images: &[Image], block| Estimate::from_renders(images, block).unwrap_or_else(|e| panic!("{e}"));
+    let mut brighter = less.clone();
+    brighter.iter_mut().flat_map(|i| i.pixels.iter_mut().flatten()).for_each(|x| *x *= 1.04);
+    for block in [8, SIZE] {
+        let outcome =
+            test_equal(&estimate(&less, block), &estimate(&all, block)).unwrap_or_else(|e| panic!("{e}"));
+        assert!(outcome.accepts(SIGNIFICANCE), "blocks of {block}: {outcome:?}");
+    }
+    let outcome =
+        test_equal(&estimate(&brighter, SIZE), &estimate(&all, SIZE)).unwrap_or_else(|e| panic!("{e}"));
+    assert!(!outcome.accepts(SIGNIFICANCE), "4 % more light is not found: {outcome:?}");
+}
+
+/// Half the jotons have the radius of a disc that holds as many.
+#[test]
+fn fewer_jotons_have_larger_discs() {
+    // no larger than a part of the image: only large images have room for larger discs
+    let scene = file("cornell.toml", [512; 2]);
+    let mut plan = Plan::new(&scene, Settings::default());
+    let held = |p: &Plan| p.diffuse.base.powi(2) * f64::from(p.diffuse_jotons);
+    let (before, jotons) = (held(&plan), plan.diffuse_jotons);
+    plan.halve_jotons(&scene, Kind::Diffuse);
+    assert_eq!(plan.diffuse_jotons, jotons / 2);
+    assert!((held(&plan) / before - 1.0).abs() < 1e-9, "{before} {}", held(&plan));
+}
+
+/// Where even the least does not fit, need and limit are told, and what to do.
+#[test]
+fn too_little_memory_is_an_error() {
+    device_or_return!();
+    let scene = file("cornell.toml", [32; 2]);
+    let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::new(&scene, Settings { memory: Some(100_000), ..Settings::default() });
+    let error = GpuBackend::new(context, scene, plan).err().expect("an error");
+    let Error::Capacity { need, limit, .. } = error else { panic!("{error}") };
+    assert!(limit == 100_000 && need > limit, "{error}");
+    assert!(error.to_string().contains("--memory"), "{error}");
+}
+
+/// Triangles in several bindings are the same triangles: the image is that of a device whose bindings hold them all.
+#[test]
+fn split_triangles_show_the_same_image() {
+    device_or_return!();
+    let mut b = Builder::new([0., 0.5, 1.9], [0., -0.3, 0.], [0., 1., 0.], 0.6, 24);
+    let (walls, ball) = (b.matte(0.7), b.material(mirror(0.8)));
+    let lamp = b.material(emitter(20.0, 0.0));
+    b.room([-1., -1., -1.], [1., 1., 2.], walls);
+    b.quad([-0.2, 0.99, -0.2], [0.4, 0., 0.], [0., 0., 0.4], lamp);
+    b.icosphere([0., -0.5, 0.], 0.5, 6, true, ball);
+    let scene = Arc::new(PackedScene::new(&b.scene));
+    let mut plan = Plan::new(&scene, Settings::default());
+    // few enough for small bindings, too
+    (plan.caustic_jotons, plan.diffuse_jotons) = (4096, 4096);
+    let go = |binding: Option<u64>| {
+        let mut context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+        let limit = &mut context.limits.max_storage_buffer_binding_size;
+        *limit = binding.unwrap_or(*limit);
+        let mut backend =
+            GpuBackend::new(context, Arc::clone(&scene), plan.clone()).unwrap_or_else(|e| panic!("{e}"));
+        let batch = backend.render(0, 2).unwrap_or_else(|e| panic!("{e}"));
+        let parts = backend.memory().iter().filter(|(name, _)| name.starts_with("triangles")).count();
+        let largest = backend.memory().into_iter().filter(|(name, _)| *name != "staging").map(|b| b.1).max();
+        (batch, parts, largest.unwrap_or(0))
+    };
+    // 81,932 triangles of 48 bytes: three parts of at most 32,768
+    const BINDING: u64 = 1_600_000;
+    let ((whole, one, _), (split, parts, largest)) = (go(None), go(Some(BINDING)));
+    assert_eq!((one, parts), (1, 4));
+    assert!(largest <= BINDING, "{largest}");
+    assert!(bits(&whole) == bits(&split), "split triangles are seen");
+    assert_eq!(whole.tally, split.tally);
+}
+
+fn bits(b: &Batch) -> Vec<u32> {
+    b.layers.iter().flatten().flatten().map(|x| x.to_bits()).collect()
+}
