@@ -53,14 +53,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let Effort { cpu, size, passes, runs } = effort;
     let device = if cpu { "cpu" } else { "gpu" };
-    println!("--device {device}, {size} × {size} pixels, {runs} renders of {passes} passes of each kind.\n");
+    println!(
+        "--device {device}, {size} × {size} pixels, {runs} renders of {passes} passes of each kind; all skips of a scene \
+              together at twice the width.\n"
+    );
     println!("{}", table::HEAD);
+    for name in ["cornell", "rooms", "pedestal"] {
+        // where pixels are many, as they mostly are
+        let case = Case { name, scene: file(name, 2 * size), paths: EVERYTHING };
+        println!("{}", table::together(&effort, &case, &Part::ALL)?);
+    }
     for t in twins::all(size) {
         println!("{}", table::skipped(&effort, t.part, &t.without)?);
-    }
-    for name in ["cornell", "rooms", "pedestal"] {
-        let case = Case { name, scene: file(name, size), paths: EVERYTHING };
-        println!("{}", table::together(&effort, &case, &Part::ALL)?);
     }
     println!("\nWhere a part is needed, keeping it changes nothing:\n\n{}", table::NEEDED_HEAD);
     for t in twins::all(size) {

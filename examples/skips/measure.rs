@@ -19,8 +19,8 @@ use std::sync::Arc;
 /// First seed of the renders that a z-test compares, and of the reference: those of the timed renders lie below.
 const TEST_SEED: u32 = 1 << 16;
 const REFERENCE_SEED: u32 = 1 << 20;
-/// Passes of the reference for each of a render: its own noise adds so little to the error.
-const REFERENCE_PASSES: u64 = 32;
+/// Passes of the reference for each of a render: its own noise adds as little to the error.
+const REFERENCE_PASSES: u64 = 16;
 /// Renders of each kind that a z-test compares, and the edge of its blocks, pixels.
 const TEST_RENDERS: u32 = 6;
 const TEST_BLOCK: u32 = 8;
@@ -123,12 +123,17 @@ impl Subject {
 
     /// Probability that renders with and without a skip differ as much as some do, were their means the same.
     pub fn p_value(&self, keep: &[Part]) -> joton::Result<f64> {
+        let radii = |keep: &[Part]| {
+            let plan = self.plan(TEST_SEED, keep);
+            (plan.diffuse.base, plan.caustic_wanted, plan.caustic_jotons)
+        };
+        let narrow = if radii(&[]) == radii(keep) { [1.0; 2] } else { NARROW };
         let estimate = |keep: &[Part], first: u32| {
             let seeds = first..first + TEST_RENDERS;
             let images = seeds.map(|seed| {
                 let mut plan = self.plan(seed, keep);
-                plan.caustic.base *= NARROW[0];
-                plan.diffuse.base *= NARROW[1];
+                plan.caustic.base *= narrow[0];
+                plan.diffuse.base *= narrow[1];
                 Ok(self.render(plan, self.effort.passes)?.0)
             });
             Estimate::from_renders(&images.collect::<joton::Result<Vec<Image>>>()?, TEST_BLOCK)
