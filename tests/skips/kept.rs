@@ -90,7 +90,6 @@ fn what_changes_numbers_keeps_the_mean() {
     // side, scene, pixels across, parts, renders of each kind
     let cases = [
         (Side::Host, "rooms", SIZE, &[Part::UnseenLight][..], 12),
-        (Side::Host, "pedestal", SIZE, &[Part::UnseenLight], 12),
         (Side::Host, "pedestal", WIDE, &[Part::Background], 6),
         (Side::Device, "pedestal", SIZE, &STATISTICAL, 4),
     ];
