@@ -22,8 +22,12 @@ pub(crate) struct LightSample {
 /// Shadow rays to the sun end outside the scene: its radius is below 1024 internal units.
 const BEYOND: f32 = 4096.0;
 
-/// A place on one of `emitters`, picked by their probabilities; None where it shines away from `position`.
+/// A place on one of `emitters`, picked by their probabilities; None where it shines away from `position`, or where there
+/// are none.
 pub(crate) fn sample_light(emitters: &[PackedEmitter], position: Vec3, u: [f32; 2]) -> Option<LightSample> {
+    if emitters.is_empty() {
+        return None;
+    }
     let (e, rest) = pick(emitters, u[0]);
     let l = sample_emitter(e, position, [rest, u[1]])?;
     Some(LightSample { irradiance: scale(&l.irradiance, 1.0 / e.pick), pdf: l.pdf * e.pick, ..l })

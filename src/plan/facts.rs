@@ -25,6 +25,9 @@ pub(super) fn lights_reach_targets(scene: &PackedScene) -> bool {
     scene.emitters.iter().any(|e| scene.targets.iter().any(|t| shines_on(e, t)))
 }
 
+/// Angles are told from f32 cosines: near 0 and π these do not know them better, rad.
+const ANGLE_SLACK: f32 = 1e-3;
+
 fn shines_on(e: &PackedEmitter, target: &Target) -> bool {
     let to_center = target.center - e.origin;
     match kind(e) {
@@ -34,7 +37,7 @@ fn shines_on(e: &PackedEmitter, target: &Target) -> bool {
             // half angles of the cone and of the sphere, and the angle between them
             distance <= target.radius
                 || (to_center / distance).dot(e.e1).clamp(-1.0, 1.0).acos()
-                    < e.e2.y.acos() + (target.radius / distance).asin()
+                    < e.e2.y.acos() + (target.radius / distance).asin() + ANGLE_SLACK
         }
         EmitterKind::Point | EmitterKind::Sun => true,
     }
@@ -42,6 +45,8 @@ fn shines_on(e: &PackedEmitter, target: &Target) -> bool {
 
 /// Surfaces nearer to a plane than this, in internal units, lie in it: 32 units in the last place of the largest coordinates.
 const ONE_PLANE: f32 = 1.0 / 512.0;
+/// Cosine of the angle to the plane from which on they do: what is small may be near it and stand on it.
+const ALONG_PLANE: f32 = 0.999;
 
 /// True where all surfaces that reflect lie in one plane: light that leaves one meets no other.
 pub(super) fn reflects_in_one_plane(scene: &PackedScene) -> bool {
@@ -50,5 +55,8 @@ pub(super) fn reflects_in_one_plane(scene: &PackedScene) -> bool {
         scene.triangles.iter().filter(|t| reflects(scene.materials[t.material as usize].flags()));
     let Some(widest) = reflecting.clone().max_by(|a, b| a.area().total_cmp(&b.area())) else { return true };
     let (normal, place): (Vec3, Vec3) = (widest.normal(), widest.v0);
-    reflecting.all(|t| t.vertices().iter().all(|v| (*v - place).dot(normal).abs() < ONE_PLANE))
+    reflecting.all(|t| {
+        t.normal().dot(normal).abs() > ALONG_PLANE
+            && t.vertices().iter().all(|v| (*v - place).dot(normal).abs() < ONE_PLANE)
+    })
 }

@@ -159,7 +159,9 @@ impl Plan {
         let Learned { guides, in_view, light_candidates } =
             learned(scene, settings.seed, &seen, traces, &mut skips);
 
-        let few = seen.share() < BACKGROUND && skips.skip(Part::Background, Reason::MuchBackground);
+        let few = (traces(Layer::Caustic) || traces(Layer::Diffuse))
+            && seen.share() < BACKGROUND
+            && skips.skip(Part::Background, Reason::MuchBackground);
         let pixels = (scene.pixels() as f64 * if few { seen.share() } else { 1.0 }) as u32;
         let jotons = |layer: Layer, n: u32, [least, most]: [u32; 2]| {
             if traces(layer) { n.clamp(least, most) } else { 0 }
@@ -241,6 +243,11 @@ impl Skips {
         }
         skips
     }
+
+    /// Skip a part that there is no way to keep.
+    fn must_skip(&mut self, what: Part, why: Reason) {
+        self.skipped.push(Skip { what, why });
+    }
 }
 
 /// Which layers are traced.
@@ -263,6 +270,11 @@ fn layers(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> [bool;
     ];
     let parts = [Part::Emission, Part::DirectLight, Part::CausticMap, Part::DiffuseMap];
     std::array::from_fn(|layer| {
+        if scene.emitters.is_empty() && layer != Layer::Emission as usize {
+            // there is nothing to pick from
+            skips.must_skip(parts[layer], Reason::NoLight);
+            return false;
+        }
         let unwanted = (!wanted[layer]).then_some(Reason::ExcludedByPaths);
         match reasons[layer].into_iter().flatten().chain(unwanted).next() {
             Some(reason) => !skips.skip(parts[layer], reason),

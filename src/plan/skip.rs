@@ -50,6 +50,8 @@ pub enum Reason {
     NoSpecularSurface,
     /// Every light turns its back on all that mirrors or refracts.
     SpecularInTheDark,
+    /// No light has any flux.
+    NoLight,
     /// No surface emits.
     NoEmissiveSurface,
     /// No surface is diffuse.
@@ -186,6 +188,7 @@ impl Reason {
         match self {
             Reason::NoSpecularSurface => "no surface mirrors or refracts",
             Reason::SpecularInTheDark => "every light faces away from all that mirrors or refracts",
+            Reason::NoLight => "no light has any flux",
             Reason::NoEmissiveSurface => "no surface emits",
             Reason::NoDiffuseSurface => "no surface is diffuse",
             Reason::OnePlane => "all that reflects lies in one plane",
@@ -215,6 +218,7 @@ impl Reason {
         match self {
             Reason::NoSpecularSurface => "a mirror or a dielectric",
             Reason::SpecularInTheDark => "a light that shines on a mirror or a dielectric",
+            Reason::NoLight => "a light that has an area or an intensity",
             Reason::NoEmissiveSurface => "a material that emits",
             Reason::NoDiffuseSurface => "a diffuse or glossy surface",
             Reason::OnePlane => "a second surface that reflects",

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 pub mod scenes;
+pub mod twins;
 pub mod world;
 
 use joton::gpu::harness::{Harness, PATTERN, Work};

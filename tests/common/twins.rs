@@ -1,0 +1,237 @@
+//! Twins: for each part that can be skipped, a scene where it is and its twin where it is not.
+
+use super::scenes::{Builder, emitter, glass, mirror};
+use glam::DVec3;
+use joton::plan::{Part, Reason};
+use joton::scene::{Light, Material, Scene};
+use std::path::Path;
+
+/// Every path from a light to the eye.
+pub const EVERYTHING: &str = "L.*E";
+/// Light that bounces once.
+const ONE_BOUNCE: &str = "LDE";
+/// Light of mirrors and glass, and no other.
+const CAUSTICS: &str = "LS+DE";
+
+/// A scene and the paths that are wanted of it.
+pub struct Case {
+    /// In a few words.
+    pub name: &'static str,
+    /// What is rendered.
+    pub scene: Scene,
+    /// Light path expression.
+    pub paths: &'static str,
+}
+
+/// A part, where it is skipped, and the twin where it is needed.
+pub struct Twins {
+    /// The part.
+    pub part: Part,
+    /// Why it is skipped.
+    pub why: Reason,
+    /// Here it is skipped.
+    pub without: Case,
+    /// Here it is not.
+    pub with: Case,
+}
+
+fn case(name: &'static str, scene: Scene) -> Case {
+    Case { name, scene, paths: EVERYTHING }
+}
+
+fn only(paths: &'static str, name: &'static str, scene: Scene) -> Case {
+    Case { name, scene, paths }
+}
+
+/// One of the scenes of the repository at `size` × `size` pixels.
+pub fn file(name: &str, size: u32) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
+    let mut scene = joton::scene::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    scene.resize([size; 2]);
+    scene
+}
+
+/// The scene with other materials.
+fn changed(mut scene: Scene, change: impl Fn(&mut Material)) -> Scene {
+    scene.materials.iter_mut().for_each(change);
+    scene
+}
+
+/// The scene with its lamps out and points of this intensity at these places.
+fn lit_by_points(scene: Scene, points: &[[f64; 3]], intensity: f32) -> Scene {
+    let mut b = Builder { scene: changed(scene, |m| m.emission = [0.0; 3]) };
+    points.iter().for_each(|&p| b.point_light(p, intensity));
+    b.scene
+}
+
+/// The scene with a ball.
+fn with_ball(scene: Scene, center: [f64; 3], radius: f64, smooth: bool, material: Material) -> Scene {
+    let mut b = Builder { scene };
+    let m = b.material(material);
+    b.icosphere(center, radius, 3, smooth, m);
+    b.scene
+}
+
+/// Slope by which the lamp beside a mirror ball is turned: at 0 its plane passes below the ball, above 0.067 it does not.
+pub const TURNED: f64 = 0.1;
+
+/// A lamp that shines down, but for the slope `turned`, and a mirror ball beside and above it, in a room.
+pub fn ball_above_lamp(turned: f64, size: u32) -> Scene {
+    let mut b = Builder::new([0.8, 0.6, 2.8], [0.8, 0.7, 0.], [0., 1., 0.], 0.6, size);
+    let white = b.matte(0.7);
+    let lamp = b.material(emitter(3.0, 0.0));
+    let ball = b.material(mirror(0.9));
+    b.room([-1., 0., -1.], [2.5, 2., 3.], white);
+    // its edges along `slope` and z: the normal looks along their cross product, down and, turned, to the ball
+    let slope = DVec3::new(1.0, turned, 0.0).normalize() * 0.6;
+    let corner = DVec3::new(0.0, 1.0, -0.3) - slope * 0.5;
+    b.quad(corner.to_array(), slope.to_array(), [0., 0., 0.6], lamp);
+    b.icosphere([1.5, 1.3, 0.], 0.2, 3, true, ball);
+    b.scene
+}
+
+/// A plate under a lamp, made of `material`.
+fn plate(material: Material, size: u32) -> Scene {
+    let mut b = Builder::new([0., 1.2, 1.6], [0.; 3], [0., 1., 0.], 0.45, size);
+    let floor = b.material(material);
+    let lamp = b.material(emitter(10.0, 0.0));
+    b.quad([-1., 0., -1.], [0., 0., 2.], [2., 0., 0.], floor);
+    b.quad([-0.2, 1., -0.2], [0.4, 0., 0.], [0., 0., 0.4], lamp);
+    b.scene
+}
+
+fn white() -> Material {
+    Material::matte("white", [0.7; 3])
+}
+
+/// A plate and a ball on it.
+fn plate_with_ball(plate_of: Material, ball: Material, size: u32) -> Scene {
+    with_ball(plate(plate_of, size), [0., 0.301, 0.], 0.3, false, ball)
+}
+
+/// The pedestal in a closed room.
+fn pedestal_in_a_room(size: u32) -> Scene {
+    let mut b = Builder { scene: file("pedestal", size) };
+    let white = b.matte(0.5);
+    b.room([-1., -0.5, -1.], [1., 1., 1.], white);
+    b.scene
+}
+
+/// Pixels across from which on there are more jotons than the least.
+pub const WIDE: u32 = 192;
+
+/// Twins for all parts that a plan skips, `size` pixels wide.
+pub fn all(size: u32) -> Vec<Twins> {
+    let cornell = || case("cornell", file("cornell", size));
+    // fewer pixels have the least number of jotons, with or without a background
+    let wide = size.max(WIDE);
+    let pedestal = || case("pedestal", file("pedestal", wide));
+    let mirror_ball = || case("white plate, mirror ball", plate_with_ball(white(), mirror(0.9), size));
+    let point = [[0.278, 0.5, 0.279]];
+    let points = [point[0], [0.1, 0.4, 0.1]];
+    let glossy = |m: &mut Material| {
+        (m.glossy, m.glossy_exponent) = if m.name == "white" { ([0.2; 3], 30.0) } else { ([0.0; 3], 0.0) };
+    };
+    let sunny = |mut scene: Scene| {
+        let direction = DVec3::new(0.3, -1.0, 0.5).normalize();
+        scene.lights.push(Light::Sun { direction, irradiance: [1.0; 3] });
+        scene
+    };
+    let ball = |smooth| with_ball(file("cornell", size), [0.15, 0.4, 0.15], 0.1, smooth, white());
+    let twins = |part, why, without, with| Twins { part, why, without, with };
+    vec![
+        twins(
+            Part::Emission,
+            Reason::NoEmissiveSurface,
+            case("box, a point", lit_by_points(file("cornell", size), &point, 0.3)),
+            cornell(),
+        ),
+        twins(
+            Part::Emission,
+            Reason::ExcludedByPaths,
+            only(ONE_BOUNCE, "cornell, one bounce", file("cornell", size)),
+            cornell(),
+        ),
+        twins(
+            Part::DirectLight,
+            Reason::NoDiffuseSurface,
+            case("mirror plate and ball", plate_with_ball(mirror(0.9), mirror(0.9), size)),
+            mirror_ball(),
+        ),
+        twins(
+            Part::DirectLight,
+            Reason::ExcludedByPaths,
+            only(CAUSTICS, "mirror ball, caustics", plate_with_ball(white(), mirror(0.9), size)),
+            mirror_ball(),
+        ),
+        twins(Part::CausticMap, Reason::NoSpecularSurface, cornell(), case("spheres", file("spheres", size))),
+        twins(
+            Part::CausticMap,
+            Reason::NoDiffuseSurface,
+            case("mirror plate and ball", plate_with_ball(mirror(0.9), mirror(0.9), size)),
+            mirror_ball(),
+        ),
+        twins(
+            Part::CausticMap,
+            Reason::SpecularInTheDark,
+            case("mirror ball above a lamp", ball_above_lamp(0.0, size)),
+            case("the lamp turned by 6 degrees", ball_above_lamp(TURNED, size)),
+        ),
+        twins(
+            Part::DiffuseMap,
+            Reason::OnePlane,
+            case("a plate", plate(white(), size)),
+            case("a plate and a ball", plate_with_ball(white(), white(), size)),
+        ),
+        twins(
+            Part::Mirrors,
+            Reason::NoMirror,
+            case("white plate, glass ball", plate_with_ball(white(), glass(1.5), size)),
+            mirror_ball(),
+        ),
+        twins(
+            Part::Refraction,
+            Reason::NoDielectric,
+            mirror_ball(),
+            case("white plate, glass ball", plate_with_ball(white(), glass(1.5), size)),
+        ),
+        twins(
+            Part::GlossyLobes,
+            Reason::NoGlossySurface,
+            cornell(),
+            case("cornell, glossy", changed(file("cornell", size), glossy)),
+        ),
+        twins(
+            Part::ShadingNormals,
+            Reason::AllFlat,
+            case("box with a faceted ball", ball(false)),
+            case("box with a smooth ball", ball(true)),
+        ),
+        twins(
+            Part::DeltaLights,
+            Reason::AllLightsAreSurfaces,
+            case("a plate and a ball", plate_with_ball(white(), white(), size)),
+            case("the same with a sun", sunny(plate_with_ball(white(), white(), size))),
+        ),
+        twins(
+            Part::PathFilter,
+            Reason::AllPathsWanted,
+            mirror_ball(),
+            only("L.+E", "mirror ball without L E", plate_with_ball(white(), mirror(0.9), size)),
+        ),
+        twins(
+            Part::FurtherShadowRays,
+            Reason::OneDirection,
+            case("box, a point", lit_by_points(file("cornell", size), &point, 0.3)),
+            case("box, two points", lit_by_points(file("cornell", size), &points, 0.3)),
+        ),
+        twins(Part::Warps, Reason::NothingLearned, cornell(), pedestal()),
+        twins(Part::UnseenLight, Reason::LightElsewhere, case("rooms", file("rooms", size)), cornell()),
+        twins(
+            Part::Background,
+            Reason::MuchBackground,
+            pedestal(),
+            case("pedestal in a room", pedestal_in_a_room(wide)),
+        ),
+    ]
+}

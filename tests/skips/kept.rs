@@ -1,0 +1,119 @@
+//! Keeping what is skipped costs time and changes nothing.
+
+use crate::common::twins::{self, EVERYTHING, WIDE, file};
+use crate::renders::{SCENES, Side, bits, both, is_alike, plan, run};
+use joton::film::Picture;
+use joton::pack::PackedScene;
+use joton::plan::Part;
+use std::sync::Arc;
+
+const SIZE: u32 = 24;
+
+/// Parts whose skipping changes which random numbers are drawn for what: images are equal in the mean. Skipping any other
+/// leaves out what adds nothing: images are equal bit by bit.
+const STATISTICAL: [Part; 3] = [Part::UnseenLight, Part::Background, Part::Rest];
+
+/// Of these scenes each part that is skipped is kept alone, too.
+const ALONE: [&str; 2] = ["cornell", "pedestal"];
+
+/// Every scene with everything that it does not need, on both sides; some on the host with each part of that alone, which on
+/// the device the twins do.
+#[test]
+fn whatever_is_kept_renders() {
+    for name in SCENES {
+        let scene = Arc::new(PackedScene::new(&file(name, SIZE)));
+        for side in both() {
+            let all = plan(&scene, EVERYTHING, 1, &Part::ALL);
+            assert!(all.skipped.is_empty(), "{name}: {:?}", all.skipped);
+            run(side, &scene, all, 1);
+        }
+        if !ALONE.contains(&name) {
+            continue;
+        }
+        for skip in &plan(&scene, EVERYTHING, 1, &[]).skipped {
+            let kept = plan(&scene, EVERYTHING, 1, &[skip.what]);
+            assert!(kept.skipped.iter().all(|s| s.what != skip.what), "{name}, {skip:?}: {:?}", kept.skipped);
+            run(Side::Host, &scene, kept, 1);
+        }
+    }
+}
+
+/// Sums of f32 in another order: the host takes jotons one by one where it looks at their paths.
+const ROUNDING: f32 = 1e-5;
+
+/// Where nothing of its own is drawn for a part, keeping it leaves every bit as it is: on the device all that is kept is more
+/// code; on the host it is the order of a sum, too.
+#[test]
+fn what_adds_nothing_changes_no_bit() {
+    for t in twins::all(SIZE).iter().filter(|t| !STATISTICAL.contains(&t.part)) {
+        let scene = Arc::new(PackedScene::new(&t.without.scene));
+        for side in both() {
+            let [skipped, kept] = [&[][..], &[t.part]].map(|keep| {
+                bits(&run(side, &scene, plan(&scene, t.without.paths, 1, keep), 1).picture).into_flattened()
+            });
+            let near = |a: u32, b: u32| {
+                let [a, b] = [a, b].map(f32::from_bits);
+                (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+            };
+            let reordered = side == Side::Host && t.part == Part::PathFilter;
+            let differ = |(a, b): &(&u32, &u32)| a != b && !(reordered && near(**a, **b));
+            let different = skipped.iter().zip(&kept).filter(differ).count();
+            assert_eq!(different, 0, "{:?}, {side:?}: {}", t.part, t.without.name);
+        }
+    }
+}
+
+/// What is not skipped cannot be kept: where a scene needs a part, `--no-skip` leaves plan and image as they are.
+#[test]
+fn what_is_needed_costs_nothing() {
+    for t in twins::all(SIZE) {
+        let scene = Arc::new(PackedScene::new(&t.with.scene));
+        let [own, kept] = [&[][..], &[t.part]].map(|keep| plan(&scene, t.with.paths, 1, keep));
+        assert_eq!(own.skipped, kept.skipped, "{:?}: {}", t.part, t.with.name);
+        assert_eq!(own.features, kept.features, "{:?}: {}", t.part, t.with.name);
+        let [own, kept] = [own, kept].map(|plan| {
+            let rendered = run(Side::Host, &scene, plan, 1);
+            (rendered.tally, bits(&rendered.picture))
+        });
+        assert!(own == kept, "{:?}: {}", t.part, t.with.name);
+    }
+}
+
+/// Part of the plan's diffuse radius at which bias is below the noise, where skips change how many jotons there are, and so
+/// the radius.
+const NARROW: f64 = 0.3;
+
+/// Skips that change random numbers or their number change nothing in the mean: eighths of the image and the whole, each
+/// layer, seeds that are not the same. On the host each skip alone; on the device those of one scene together.
+#[test]
+fn what_changes_numbers_keeps_the_mean() {
+    // side, scene, pixels across, parts, renders of each kind
+    let cases = [
+        (Side::Host, "rooms", SIZE, &[Part::UnseenLight][..], 12),
+        (Side::Host, "pedestal", WIDE, &[Part::Background], 6),
+        (Side::Device, "pedestal", SIZE, &STATISTICAL, 4),
+    ];
+    for (side, name, size, parts, seeds) in cases.into_iter().filter(|c| both().contains(&c.0)) {
+        let scene = Arc::new(PackedScene::new(&file(name, size)));
+        let plans = [&[][..], parts].map(|keep| plan(&scene, EVERYTHING, 0, keep));
+        let [own, kept] = plans.each_ref();
+        assert!(
+            own.diffuse_jotons != kept.diffuse_jotons || own.guides.diffuse != kept.guides.diffuse,
+            "{name}: nothing differs"
+        );
+        let narrow = if own.diffuse_jotons == kept.diffuse_jotons { 1.0 } else { NARROW };
+        let mut first = 0;
+        let [skipped, kept] = plans.map(|mut plan| {
+            plan.diffuse.base *= narrow;
+            first += seeds;
+            // what was learned is the same for all seeds: it is no part of the noise
+            let render = |seed| {
+                let mut plan = plan.clone();
+                plan.settings.seed = seed;
+                run(side, &scene, plan, 1).picture
+            };
+            (first..first + seeds).map(render).collect::<Vec<Picture>>()
+        });
+        is_alike(&format!("{parts:?}, {side:?}, {name}"), &skipped, &kept, &[size / 8, size]);
+    }
+}
