@@ -177,6 +177,9 @@ impl Plan {
             .min(DIFFUSE_LIMITS[1] * image_width)
             .max(DIFFUSE_LIMITS[0] * footprint);
         let caustic = f64::from(CAUSTIC_FOOTPRINTS[1] * pilot.footprint_large);
+        if seen.share() < 1.0 {
+            skips.skip(Part::Rest, Reason::NothingChanges);
+        }
         let stores_all = in_view > STORED_IN_VIEW || !skips.skip(Part::UnseenJotons, Reason::JotonsElsewhere);
         let marks = (!stores_all).then(|| Arc::new(seen.marks(scene, diffuse as f32)));
         Self {
@@ -340,7 +343,8 @@ fn learned(
     if all.iter().any(|g| !g.is_empty()) && !skips.skip(Part::UnseenLight, Reason::LightElsewhere) {
         guides = Guides::default();
     }
-    if [&guides.caustic, &guides.diffuse].iter().all(|g| g.warps().is_empty()) {
+    let has_map = traces(Layer::Caustic) || traces(Layer::Diffuse);
+    if has_map && [&guides.caustic, &guides.diffuse].iter().all(|g| g.warps().is_empty()) {
         skips.skip(Part::Warps, Reason::NothingLearned);
     }
     Learned { guides, in_view, light_candidates }

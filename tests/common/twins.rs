@@ -109,6 +109,23 @@ fn plate_with_ball(plate_of: Material, ball: Material, size: u32) -> Scene {
     with_ball(plate(plate_of, size), [0., 0.301, 0.], 0.3, false, ball)
 }
 
+/// A wide room under six times six lamps, of which the near ones give most of the light.
+fn hall(size: u32) -> Scene {
+    const LAMPS: u32 = 6;
+    const WIDTH: f64 = 30.0;
+    const HEIGHT: f64 = 3.5;
+    let mut b = Builder::new([15., 1.6, 1.], [15., 1.5, 15.], [0., 1., 0.], 0.7, size);
+    let white = b.matte(0.7);
+    let lamp = b.material(emitter(20.0, 0.0));
+    b.room([0.; 3], [WIDTH, HEIGHT, WIDTH], white);
+    let place = |i: u32| WIDTH * (f64::from(i) + 0.5) / f64::from(LAMPS);
+    for i in 0..LAMPS * LAMPS {
+        let corner = [place(i % LAMPS), HEIGHT - 0.02, place(i / LAMPS)];
+        b.quad(corner, [0.3, 0., 0.], [0., 0., 0.3], lamp);
+    }
+    b.scene
+}
+
 /// The pedestal in a closed room.
 fn pedestal_in_a_room(size: u32) -> Scene {
     let mut b = Builder { scene: file("pedestal", size) };
@@ -226,10 +243,18 @@ pub fn all(size: u32) -> Vec<Twins> {
             case("box, two points", lit_by_points(file("cornell", size), &points, 0.3)),
         ),
         twins(Part::Warps, Reason::NothingLearned, cornell(), pedestal()),
+        twins(Part::FaintLight, Reason::FaintAmongStrong, case("hall", hall(size)), cornell()),
         twins(Part::UnseenLight, Reason::LightElsewhere, case("rooms", file("rooms", size)), cornell()),
+        twins(Part::UnseenJotons, Reason::JotonsElsewhere, case("rooms", file("rooms", size)), cornell()),
         twins(
             Part::Background,
             Reason::MuchBackground,
+            pedestal(),
+            case("pedestal in a room", pedestal_in_a_room(wide)),
+        ),
+        twins(
+            Part::Rest,
+            Reason::NothingChanges,
             pedestal(),
             case("pedestal in a room", pedestal_in_a_room(wide)),
         ),
