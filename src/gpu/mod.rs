@@ -350,7 +350,7 @@ impl Backend for GpuBackend {
             let mut staging = self.staging.take();
             let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
             let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
-            sources.extend(self.film_parts(&rows).into_iter());
+            sources.extend(self.film_parts(&rows));
             let mut read = self.context.read_parts(&mut staging, &sources)?;
             self.staging = staging;
             let words: Vec<u32> = bytemuck::pod_collect_to_vec(&read[0]);
