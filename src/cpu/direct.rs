@@ -33,7 +33,8 @@ pub(super) fn light(
     let shared = g.material.flags().has_glossy() || near_emitter(lights, g.position);
     let mut sum = BLACK;
     for ray in 0..count {
-        let u = random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray);
+        let is_drawn = shared || plan.light_candidates > 1;
+        let u = if is_drawn { random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray) } else { [0.0; 4] };
         let first = pass.wrapping_mul(count).wrapping_add(ray).wrapping_mul(plan.light_candidates);
         let candidates = (0..plan.light_candidates).map(|k| sobol2(first.wrapping_add(k), seed));
         sum = add(&sum, &by_light(scene, lights, g, candidates, u[3], shared, tally));

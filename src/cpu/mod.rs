@@ -151,6 +151,28 @@ impl CpuBackend {
         }
     }
 
+    /// Choose the caustic radii and find the walls about each pixel's gather point of the pilot pass, once.
+    fn look_around(&mut self) {
+        let traces_caustic = self.plan.traces(Layer::Caustic);
+        if !self.clips.is_empty() || !(traces_caustic || self.plan.traces(Layer::Diffuse)) {
+            return;
+        }
+        // mirrors have no area points; and --paths must not change what is found
+        let by_area = !self.plan.has_specular_bodies();
+        if by_area {
+            // with the area points of the first passes, whatever is rendered first
+            self.refresh_area(0);
+        }
+        let (scene, plan) = (&self.scene, &self.plan);
+        let points = pixels::gather_points(scene, plan, PILOT_PASS);
+        if traces_caustic {
+            let jotons = trace::jotons(scene, plan, PILOT_PASS, true, &mut Tally::default());
+            self.caustic_base = pixels::caustic_base(scene, plan, &points, &JotonMap::new(jotons));
+        }
+        let area = self.area.as_ref().filter(|_| by_area).map(|a| &a.map);
+        self.clips = pixels::clips(scene, plan, &points, area);
+    }
+
     fn pass(&mut self, pass: u64, layers: &mut [Vec<Bands>; LAYERS], tally: &mut Tally) {
         self.refresh_survey(pass);
         self.refresh_area(pass);
@@ -203,21 +225,10 @@ impl Backend for CpuBackend {
 
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tally = Tally::default();
-        if self.plan.traces(Layer::Caustic) && self.caustic_base.is_empty() {
-            let jotons = trace::jotons(&self.scene, &self.plan, PILOT_PASS, true, &mut Tally::default());
-            self.caustic_base =
-                pixels::caustic_base(&self.scene, &self.plan, PILOT_PASS, &JotonMap::new(jotons));
-        }
         if self.plan.traces(Layer::Emission) && self.glints.is_empty() {
             self.glints = glint::mark(&self.scene, self.plan.settings.seed, PILOT_PASS);
         }
-        if self.clips.is_empty() && (self.plan.traces(Layer::Caustic) || self.plan.traces(Layer::Diffuse)) {
-            // with the area points of the first passes, whatever is rendered first
-            self.refresh_area(0);
-            // mirrors have no area points; and --paths must not change what is found
-            let area = self.area.as_ref().filter(|_| !self.plan.has_specular_bodies()).map(|a| &a.map);
-            self.clips = pixels::clips(&self.scene, &self.plan, PILOT_PASS, area);
-        }
+        self.look_around();
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
         for pass in first..first + u64::from(count) {
             self.pass(pass, &mut layers, &mut tally);

@@ -136,15 +136,25 @@ pub(super) fn interiors(
     all
 }
 
+/// The gather point of each pixel in a pass.
+pub(super) fn gather_points<'a>(
+    scene: &'a PackedScene,
+    plan: &Plan,
+    pass: u32,
+) -> Vec<Option<eye::GatherPoint<'a>>> {
+    let follow = |pixel| eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point;
+    (0..scene.pixels() as u32).into_par_iter().map(follow).collect()
+}
+
 /// The walls about each pixel's gather point, within the largest radius.
-pub(super) fn clips(scene: &PackedScene, plan: &Plan, pass: u32, area: Option<&AreaMap>) -> Vec<Clip> {
-    (0..scene.pixels() as u32)
-        .into_par_iter()
-        .map(|pixel| {
-            let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point;
-            g.map_or(Clip::default(), |g| clip::find(scene, area, &g, plan.diffuse.base as f32))
-        })
-        .collect()
+pub(super) fn clips(
+    scene: &PackedScene,
+    plan: &Plan,
+    points: &[Option<eye::GatherPoint>],
+    area: Option<&AreaMap>,
+) -> Vec<Clip> {
+    let find = |g: &eye::GatherPoint| clip::find(scene, area, g, plan.diffuse.base as f32);
+    points.par_iter().map(|g| g.as_ref().map_or(Clip::default(), find)).collect()
 }
 
 /// Smallest and largest caustic radius of the first pass at a gather point.
@@ -156,13 +166,18 @@ fn caustic_limits(scene: &PackedScene, plan: &Plan, g: &eye::GatherPoint) -> [f3
 
 /// The caustic radius of each pixel in the first pass, from the jotons counted in a pilot:
 /// r = clamp(r_max √(K/k), r_min, r_max), k the mean count at r_max over 3×3 pixels [E14].
-pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, pass: u32, map: &JotonMap) -> Vec<f32> {
-    let found: Vec<Option<(u32, [f32; 2])>> = (0..scene.pixels() as u32)
-        .into_par_iter()
-        .map(|pixel| {
-            let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point?;
-            let limits = caustic_limits(scene, plan, &g);
-            Some((count(map, &Window::new(&g, limits[1] * limits[1])), limits))
+pub(super) fn caustic_base(
+    scene: &PackedScene,
+    plan: &Plan,
+    points: &[Option<eye::GatherPoint>],
+    map: &JotonMap,
+) -> Vec<f32> {
+    let found: Vec<Option<(u32, [f32; 2])>> = points
+        .par_iter()
+        .map(|point| {
+            let g = point.as_ref()?;
+            let limits = caustic_limits(scene, plan, g);
+            Some((count(map, &Window::new(g, limits[1] * limits[1])), limits))
         })
         .collect();
     let base = |pixel: usize| {
