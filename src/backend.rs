@@ -19,6 +19,11 @@ pub trait Backend {
         Vec::new()
     }
 
+    /// Bytes of the device's buffers; none where the backend has none of its own.
+    fn device_bytes(&self) -> Option<u64> {
+        None
+    }
+
     /// How many passes one call should render from `first` on. It depends on the pass only, never on the clock: a call's
     /// passes are summed in f32, and another split would round otherwise.
     fn batch_passes(&self, first: u64) -> u32 {

@@ -1,5 +1,7 @@
 //! `joton bench`: the tables and the plot that it leaves, and the numbers in them.
 
+mod common;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -44,6 +46,33 @@ fn numbers(text: &str, name: &str) -> Vec<f64> {
         .iter()
         .map(|c| c.parse().unwrap_or_else(|_| panic!("{name}: {c:?} is no number")))
         .collect()
+}
+
+/// `--timings`: every kernel of each seed, with the passes that it was measured in; and what the device holds.
+#[test]
+fn bench_tells_what_kernels_take() {
+    let folder = folder();
+    let words = "bench cornell.toml --size 16x16 --device gpu --times 0.05,0.1 --seeds 2 --timings -o b";
+    if crate::common::device().is_none() {
+        return;
+    }
+    let ended = joton(&folder, words);
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let [rows, kernels] =
+        ["b.csv", "b.kernels.csv"].map(|f| fs::read_to_string(folder.path().join(f)).expect("a table"));
+    assert!(numbers(&rows, "device_bytes").iter().all(|b| *b > 1e6), "{rows}");
+    let [rays, seconds, speeds] = ["rays", "seconds", "rays_per_second"].map(|column| numbers(&rows, column));
+    for ((r, s), speed) in rays.iter().zip(&seconds).zip(&speeds) {
+        // seconds are printed to a tenth of a millisecond
+        assert!((speed * s / r - 1.0).abs() < 0.01, "{speed} {r} {s}");
+    }
+    let (names, passes) = (column(&kernels, "kernel"), numbers(&kernels, "passes"));
+    let (dispatches, seeds) = (numbers(&kernels, "dispatches"), numbers(&kernels, "seed"));
+    for seed in [0.0, 1.0] {
+        let eye = (0..names.len()).find(|&i| names[i] == "eye" && seeds[i] == seed).expect("eye runs");
+        assert_eq!(dispatches[eye], passes[eye], "once a pass");
+    }
+    assert!(numbers(&kernels, "seconds").iter().sum::<f64>() > 0.0);
 }
 
 /// Two devices, two seeds, two times: eight rows, four summaries, a plot with a curve for each device; time grows, the

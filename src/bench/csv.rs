@@ -1,6 +1,6 @@
 //! CSV: rows and summaries as tables that spreadsheets and scripts read (RFC 4180).
 
-use super::{Row, Summary};
+use super::{KernelRow, Row, Summary};
 use crate::bands::BANDS;
 
 /// Names of the bands in columns.
@@ -11,7 +11,8 @@ const BAND: [&str; BANDS] = ["r", "g", "b"];
 pub fn runs_csv(rows: &[Row]) -> String {
     let ratios = BAND.map(|b| format!("mean_ratio_{b}")).join(",");
     let mut text = format!(
-        "scene,device,device_name,seed,step,seconds,cpu_seconds,passes,rays,jotons,error_estimate,\
+        "scene,device,device_name,seed,step,seconds,cpu_seconds,passes,rays,jotons,rays_per_second,\
+         jotons_per_second,device_bytes,error_estimate,\
          rel_mse,rel_mse_trimmed,{ratios}\n"
     );
     for r in rows {
@@ -27,6 +28,9 @@ pub fn runs_csv(rows: &[Row]) -> String {
             r.passes.to_string(),
             counted(r.rays),
             counted(r.jotons),
+            optional(r.rays.map(|n| n as f64 / r.seconds)),
+            optional(r.jotons.map(|n| n as f64 / r.seconds)),
+            counted(r.device_bytes),
             optional(r.error_estimate),
             optional(c.map(|c| c.rel_mse)),
             optional(c.map(|c| c.rel_mse_trimmed)),
@@ -55,6 +59,24 @@ pub fn summary_csv(summaries: &[Summary]) -> String {
             optional(s.estimated_rel_mse),
             optional(s.rel_bias_squared),
             optional(s.rel_variance),
+        ];
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+/// One line for each kernel of a device, scene and seed.
+pub fn kernels_csv(kernels: &[KernelRow]) -> String {
+    let mut text = String::from("scene,device,seed,passes,kernel,seconds,dispatches\n");
+    for k in kernels {
+        let cells = [
+            quoted(&k.scene),
+            quoted(&k.device),
+            k.seed.to_string(),
+            k.passes.to_string(),
+            quoted(&k.kernel),
+            format!("{:.6}", k.seconds),
+            k.dispatches.to_string(),
         ];
         text += &(cells.join(",") + "\n");
     }

@@ -23,6 +23,8 @@ pub(super) struct Seen {
     pub(super) rays: Option<u64>,
     /// Jotons, where there are any.
     pub(super) jotons: Option<u64>,
+    /// Bytes of the device's buffers, where there are any.
+    pub(super) device_bytes: Option<u64>,
     /// The renderer's own estimate of its relative error, root mean square.
     pub(super) error_estimate: Option<f64>,
 }
@@ -56,6 +58,7 @@ impl<'a> Ladder<'a> {
             passes: seen.passes,
             rays: seen.rays,
             jotons: seen.jotons,
+            device_bytes: seen.device_bytes,
             error_estimate: seen.error_estimate,
             comparison,
         });

@@ -9,9 +9,9 @@ mod plot;
 mod run;
 pub mod versus;
 
-pub use csv::{runs_csv, summary_csv};
+pub use csv::{kernels_csv, runs_csv, summary_csv};
 pub use plot::error_plot;
-pub use run::{Subject, measure};
+pub use run::{Measured, Subject, measure};
 
 use crate::output::compare::Comparison;
 
@@ -39,10 +39,31 @@ pub struct Row {
     pub rays: Option<u64>,
     /// Jotons emitted; none in other renderers.
     pub jotons: Option<u64>,
+    /// Bytes of the device's buffers, where there are any.
+    pub device_bytes: Option<u64>,
     /// The renderer's own estimate of its relative error, root mean square.
     pub error_estimate: Option<f64>,
     /// Against the reference, where there is one.
     pub comparison: Option<Comparison>,
+}
+
+/// What a kernel took in all passes of one seed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KernelRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// The device as it was asked for.
+    pub device: String,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Passes in which it was measured.
+    pub passes: u64,
+    /// File and entry point.
+    pub kernel: String,
+    /// Seconds on the device.
+    pub seconds: f64,
+    /// Times it ran.
+    pub dispatches: u64,
 }
 
 /// All seeds of a scene on a device at one step of the ladder.

@@ -1,7 +1,7 @@
 //! Run: render with each seed and look at the picture at every step of a ladder of times.
 
 use super::ladder::{Ladder, Seen};
-use super::{Row, Summary};
+use super::{KernelRow, Row, Summary};
 use crate::Result;
 use crate::backend::Backend;
 use crate::film::Image;
@@ -21,6 +21,18 @@ pub struct Subject<'a> {
     pub times: &'a [f64],
     /// Seeds 0, 1, … below this.
     pub seeds: u32,
+    /// Measure what each kernel takes, where the device can.
+    pub timings: bool,
+}
+
+/// What was found of a subject.
+pub struct Measured {
+    /// One for each picture.
+    pub rows: Vec<Row>,
+    /// One for each step that was reached.
+    pub summaries: Vec<Summary>,
+    /// What kernels took, where that was measured.
+    pub kernels: Vec<KernelRow>,
 }
 
 /// Measure a subject. `open` sets a device up for a seed; `see` is shown each row as it is found, and returns false to
@@ -32,14 +44,18 @@ pub fn measure(
     subject: &Subject<'_>,
     mut open: impl FnMut(u32) -> Result<Box<dyn Backend>>,
     mut see: impl FnMut(&Row) -> bool,
-) -> Result<(Vec<Row>, Vec<Summary>)> {
+) -> Result<Measured> {
     let mut ladder = Ladder::new(subject);
+    let mut kernels = Vec::new();
     for seed in 0..subject.seeds {
         let mut backend = open(seed)?;
-        let device_name = backend.describe();
+        let (device_name, device_bytes) = (backend.describe(), backend.device_bytes());
+        if subject.timings {
+            backend.measure_kernels();
+        }
         let stop = Stop { seconds: subject.times.last().copied(), ..Stop::default() };
         let (mut steps_done, mut go_on, mut failure) = (0, true, None);
-        render(backend.as_mut(), subject.size, stop, |progress| {
+        let rendered = render(backend.as_mut(), subject.size, stop, |progress| {
             // a slow pass may skip steps: its picture belongs to the last one that it reached
             let reached = subject.times.partition_point(|t| *t <= progress.seconds);
             if reached == steps_done {
@@ -54,6 +70,7 @@ pub fn measure(
                 passes: progress.passes,
                 rays: Some(progress.tally.rays),
                 jotons: Some(progress.tally.jotons_emitted),
+                device_bytes,
                 error_estimate: progress.error.map(|e| e.total),
             };
             match ladder.add(reached - 1, seen, &progress.picture().whole) {
@@ -65,9 +82,15 @@ pub fn measure(
         if let Some(e) = failure {
             return Err(e);
         }
+        let of_kernel = |(kernel, seconds, dispatches)| {
+            let (scene, device) = (subject.scene.into(), subject.device.into());
+            KernelRow { scene, device, seed, passes: rendered.passes, kernel, seconds, dispatches }
+        };
+        kernels.extend(backend.kernel_seconds().into_iter().map(of_kernel));
         if !go_on {
             break;
         }
     }
-    Ok(ladder.finish())
+    let (rows, summaries) = ladder.finish();
+    Ok(Measured { rows, summaries, kernels })
 }

@@ -3,7 +3,9 @@
 use super::versus::{Peer, Versus};
 use super::{DONE, INTERRUPTED, device, memory, say, tell};
 use clap::Args;
-use joton::bench::{Row, Subject, Summary, error_plot, measure, runs_csv, summary_csv};
+use joton::bench::{
+    KernelRow, Row, Subject, Summary, error_plot, kernels_csv, measure, runs_csv, summary_csv,
+};
 use joton::film::{Image, check_memory};
 use joton::output::{self, exr};
 use joton::pack::PackedScene;
@@ -51,6 +53,9 @@ pub(super) struct BenchArguments {
     /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
+    /// Measure what each kernel takes, too (a little slower): PREFIX.kernels.csv.
+    #[arg(long)]
+    timings: bool,
     /// Write PREFIX.csv, PREFIX.summary.csv and PREFIX.svg.
     #[arg(short, long, value_name = "PREFIX", default_value = "bench")]
     output: String,
@@ -68,8 +73,9 @@ struct Loaded {
 
 pub(super) fn run(a: &BenchArguments) -> Result<u8> {
     let times = ladder(&a.times)?;
-    let files = ["csv", "summary.csv", "svg"].map(|kind| PathBuf::from(format!("{}.{kind}", a.output)));
-    for file in &files {
+    let files = ["csv", "summary.csv", "svg", "kernels.csv"]
+        .map(|kind| PathBuf::from(format!("{}.{kind}", a.output)));
+    for file in files.iter().take(if a.timings { 4 } else { 3 }) {
         output::check_writable(file)?;
     }
     if !a.reference.is_empty() && a.reference.len() != a.scenes.len() {
@@ -104,6 +110,9 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
         }
         output::write_text(&files[0], &runs_csv(&found.rows))?;
         output::write_text(&files[1], &summary_csv(&found.summaries))?;
+        if a.timings {
+            output::write_text(&files[3], &kernels_csv(&found.kernels))?;
+        }
         let plot = error_plot(&found.summaries).map_err(|e| Error::io(&files[2], "write", e))?;
         output::write_text(&files[2], &plot)?;
     }
@@ -116,6 +125,7 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
 struct Found {
     rows: Vec<Row>,
     summaries: Vec<Summary>,
+    kernels: Vec<KernelRow>,
 }
 
 impl Found {
@@ -147,6 +157,7 @@ fn measure_all(
             reference: scene.reference.as_ref(),
             times,
             seeds: a.seeds,
+            timings: a.timings,
         };
         for device in &devices {
             let open = |seed| {
@@ -160,7 +171,9 @@ fn measure_all(
                 }
                 Ok(backend)
             };
-            found.add(measure(&subject_on(device), open, see)?);
+            let measured = measure(&subject_on(device), open, see)?;
+            found.add((measured.rows, measured.summaries));
+            found.kernels.extend(measured.kernels);
             if stopped() {
                 return Ok(());
             }

@@ -303,6 +303,10 @@ impl Backend for GpuBackend {
         seconds.into_iter().map(|(name, (seconds, dispatches))| (name, seconds, dispatches)).collect()
     }
 
+    fn device_bytes(&self) -> Option<u64> {
+        Some(self.memory().iter().map(|(_, bytes)| bytes).sum())
+    }
+
     fn describe(&self) -> String {
         let i = &self.context.info;
         let kind = if self.context.is_software() { "software" } else { "GPU" };

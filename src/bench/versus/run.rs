@@ -80,6 +80,7 @@ pub fn measure(
                     passes: samples,
                     rays: None,
                     jotons: None,
+                    device_bytes: None,
                     error_estimate: None,
                 };
                 if !see(ladder.add(step, seen, &image)?) {
