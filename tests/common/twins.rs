@@ -110,7 +110,7 @@ fn plate_with_ball(plate_of: Material, ball: Material, size: u32) -> Scene {
 }
 
 /// A wide room under six times six lamps, of which the near ones give most of the light.
-fn hall(size: u32) -> Scene {
+pub fn hall(size: u32) -> Scene {
     const LAMPS: u32 = 6;
     const WIDTH: f64 = 30.0;
     const HEIGHT: f64 = 3.5;

@@ -1,7 +1,7 @@
 //! Learned picks of lights: less noise, and no light lost.
 
 use crate::common::scenes::{Builder, emitter};
-use crate::common::twins::file;
+use crate::common::twins::{file, hall};
 use crate::renders::{SIGNIFICANCE, Side, both, plan, run};
 use joton::bands::{BANDS, sum};
 use joton::film::{Image, Layer};
@@ -48,6 +48,35 @@ fn lamps_of_other_rooms_are_not_asked() {
             [&[][..], &[Part::UnseenLight]].map(|keep| variance(&direct(side, &scene, 0..SEEDS, keep, 4)));
         println!("{side:?}: {:.1}", by_flux / learned);
         assert!(by_flux > 5.0 * learned, "{side:?}: variance {by_flux:.2e} falls to {learned:.2e} only");
+    }
+}
+
+/// A hall with two walls under many lamps, near and far: one shadow ray for eight light samples finds the light that a ray for each sample
+/// finds, with less than half the variance, on both sides.
+#[test]
+fn one_ray_for_some_samples_finds_the_light_of_all() {
+    const WIDTH: u32 = 32;
+    let mut b = Builder { scene: hall(WIDTH) };
+    let grey = b.matte(0.5);
+    // behind walls which sample gets the ray matters: it alone may be shaded
+    for x in [9.0, 19.0] {
+        b.quad([x, 0., 4.], [0., 3., 0.], [0., 0., 22.], grey);
+    }
+    let scene = Arc::new(PackedScene::new(&b.scene));
+    assert!(plan(&scene, DIRECT, 0, &[]).light_candidates > 1);
+    for side in both() {
+        let picked = direct(side, &scene, 0..SEEDS, &[], 32);
+        let plain = direct(side, &scene, SEEDS..2 * SEEDS, &[Part::FaintLight], 64);
+        let ratio = variance(&plain) * 2.0 / variance(&picked);
+        println!("{side:?}: {ratio:.1}");
+        assert!(ratio > 2.0, "{side:?}: variance falls to 1 / {ratio:.2} only");
+        for block in [4, WIDTH] {
+            let [a, b] =
+                [&picked, &plain].map(|i| Estimate::from_renders(i, block).unwrap_or_else(|e| panic!("{e}")));
+            let outcome = test_equal(&a, &b).unwrap_or_else(|e| panic!("{e}"));
+            println!("{side:?}, blocks of {block}: p = {:.2e}", outcome.p_value);
+            assert!(outcome.accepts(SIGNIFICANCE), "{side:?}, blocks of {block}: {outcome:?}");
+        }
     }
 }
 
