@@ -152,6 +152,9 @@ fn other_renderers_stand_beside_the_devices() {
                 passes,
                 rays,
                 jotons,
+                rays_per_second,
+                jotons_per_second,
+                device_bytes,
                 estimate,
                 error,
                 trimmed,
@@ -164,7 +167,8 @@ fn other_renderers_stand_beside_the_devices() {
             assert_eq!((number(seed), number(step)), ((i / 2) as f64, [0.1, 0.2][i % 2]));
             assert_eq!((number(seconds), number(cpu_seconds)), (0.5, [0.75, 1.5][i % 2]));
             assert_eq!(passes, "64");
-            assert_eq!([rays, jotons, estimate], ["", "", ""], "what it does not tell");
+            let untold = [rays, jotons, rays_per_second, jotons_per_second, device_bytes, estimate];
+            assert_eq!(untold, [""; 6], "what it does not tell");
             // the digits that the table holds
             let close = |cell: &str, value: f64| (number(cell) / value - 1.0).abs() < 1e-6;
             assert!(close(error, wanted.rel_mse) && close(trimmed, wanted.rel_mse_trimmed), "{row:?}");
