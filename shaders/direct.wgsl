@@ -5,6 +5,7 @@
 // import: shared/features.wgsl
 // import: shared/strip.wgsl
 // import: shared/live.wgsl
+// import: shared/count.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
 // import: shared/intersect.wgsl
@@ -170,15 +171,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             sum += by_brdf(m, origin, geometric, shading, wo, u.xyz);
         }
     }
-    let rays_before = atomicAdd(&status[STATUS_RAYS], rays);
-    if rays_before + rays < rays_before {
-        atomicAdd(&status[STATUS_RAYS_HIGH], 1u);
-    }
+    count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
     if saved > 0u {
-        let saved_before = atomicAdd(&status[STATUS_SHADOW_RAYS_SAVED], saved);
-        if saved_before + saved < saved_before {
-            atomicAdd(&status[STATUS_SHADOW_RAYS_SAVED_HIGH], 1u);
-        }
+        count(STATUS_SHADOW_RAYS_SAVED, STATUS_SHADOW_RAYS_SAVED_HIGH, saved);
     }
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);

@@ -5,6 +5,7 @@
 // import: shared/features.wgsl
 // import: shared/strip.wgsl
 // import: shared/live.wgsl
+// import: shared/count.wgsl
 // import: shared/rng.wgsl
 // import: shared/scene.wgsl
 // import: shared/surface.wgsl
@@ -136,10 +137,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         film[held(pixel)] = vec4(select(select(0.0, 1.0, lit > 0u), 2.0, all), 0.0, 0.0, 0.0);
         return;
     }
-    let rays_before = atomicAdd(&status[STATUS_RAYS], rays);
-    if rays_before + rays < rays_before {
-        atomicAdd(&status[STATUS_RAYS_HIGH], 1u);
-    }
+    count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }

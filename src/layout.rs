@@ -290,12 +290,17 @@ pub mod status {
 
     /// Light samples without a shadow ray in the words of the status buffer.
     pub fn shadow_rays_saved(words: &[u32]) -> u64 {
-        u64::from(words[SHADOW_RAYS_SAVED_HIGH as usize]) << 32 | u64::from(words[SHADOW_RAYS_SAVED as usize])
+        counted(words, SHADOW_RAYS_SAVED, SHADOW_RAYS_SAVED_HIGH)
     }
 
     /// Camera and shadow rays in the words of the status buffer.
     pub fn rays(words: &[u32]) -> u64 {
-        u64::from(words[RAYS_HIGH as usize]) << 32 | u64::from(words[RAYS as usize])
+        counted(words, RAYS, RAYS_HIGH)
+    }
+
+    /// A number of 64 bits in two slots. Twin: shaders/shared/count.wgsl.
+    fn counted(words: &[u32], low: u32, high: u32) -> u64 {
+        u64::from(words[high as usize]) << 32 | u64::from(words[low as usize])
     }
 }
 

@@ -56,10 +56,9 @@ const NEAR_WIDTH: f32 = 0.5;
 fn near_emitter(lights: &[PackedEmitter], position: Vec3) -> bool {
     lights.len() > NEAR_EMITTERS_MAX
         || lights.iter().filter(|e| kind(e) == EmitterKind::Triangle).any(|e| {
-            let to_center = (e.e1 + e.e2) / 3.0;
-            let reach = to_center.length().max((e.e1 - to_center).length()).max((e.e2 - to_center).length());
+            let (middle, reach) = e.circle();
             let near = reach + NEAR_WIDTH * (e.area / e.pick).sqrt();
-            (e.origin + to_center - position).length_squared() < near * near
+            (middle - position).length_squared() < near * near
         })
 }
 

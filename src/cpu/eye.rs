@@ -52,9 +52,7 @@ pub(super) fn ray_through(scene: &PackedScene, pixel: u32, [jx, jy]: [f32; 2]) -
     let [width, height] = scene.size;
     let x = ((pixel % width) as f32 + jx) / width as f32;
     let y = ((pixel / width) as f32 + jy) / height as f32;
-    let c = &scene.camera;
-    let direction = c.forward + c.right * (2.0 * x - 1.0) + c.up * (1.0 - 2.0 * y);
-    Ray { origin: c.eye, direction: direction.normalize() }
+    Ray { origin: scene.camera.eye, direction: scene.camera.direction([x, y]) }
 }
 
 /// True where emission is wanted that is seen through `chain` specular events (E S* L).

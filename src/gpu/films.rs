@@ -4,11 +4,8 @@ use super::GpuBackend;
 use crate::backend::{Cause, NonFinite};
 use crate::bands::{BANDS, Bands};
 use crate::film::{LAYERS, Layer};
-use crate::plan::buffers::FILMS;
+use crate::plan::buffers::{FILM_PIXEL, FILMS};
 use std::ops::Range;
-
-/// Bytes of a pixel of a film.
-pub(super) const FILM_BYTES: u64 = 16;
 
 impl GpuBackend {
     /// The films that are traced and their bytes of these rows; none where there are no rows. Strips keep theirs on
@@ -17,7 +14,7 @@ impl GpuBackend {
         if rows.is_empty() || self.strips.count() > 1 {
             return Vec::new();
         }
-        let row_bytes = u64::from(self.scene.size[0]) * FILM_BYTES;
+        let row_bytes = u64::from(self.scene.size[0]) * FILM_PIXEL;
         let bytes = rows.start as u64 * row_bytes..rows.end as u64 * row_bytes;
         self.traced_films().map(|(_, name)| (&self.buffers[name], bytes.clone())).collect()
     }

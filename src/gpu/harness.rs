@@ -6,7 +6,7 @@ use super::map::{Map, MapKernels};
 use super::recorder::Recorder;
 use super::ring::Ring;
 use super::scene_buffers;
-use super::tiles::{self, TILES_PER_DISPATCH, Tiles};
+use super::tiles::{BINDING_BYTES, TILES_PER_DISPATCH, Tiles};
 use crate::error::Result;
 use crate::layout::MapInfo;
 use crate::pack::PackedScene;
@@ -50,7 +50,7 @@ impl<'a> Harness<'a> {
     /// Tiles are listed in their order, as many as a dispatch sees.
     fn with_buffers(context: &'a Context, mut buffers: Buffers) -> Self {
         let tiles: Vec<u32> = (0..TILES_PER_DISPATCH).collect();
-        let buffer = tiles::buffer(context, TILES_PER_DISPATCH);
+        let buffer = scene_buffers::uniform(context, "tiles", u64::from(BINDING_BYTES));
         context.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tiles));
         buffers.insert("tiles", buffer);
         Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) }

@@ -68,9 +68,7 @@ impl MapKernels {
             reorder: kernel("map_reorder.wgsl", "main")?,
         })
     }
-}
 
-impl MapKernels {
     /// All of them, in the order in which they are first dispatched.
     pub(super) fn in_order_of_use(&self) -> Vec<&Kernel> {
         vec![

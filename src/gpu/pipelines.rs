@@ -98,9 +98,7 @@ impl Kernels {
             map: (caustic || diffuse).then(|| MapKernels::new(context)).transpose()?,
         })
     }
-}
 
-impl Kernels {
     /// All of them, in the order in which they are first dispatched.
     pub(super) fn in_order_of_use(&self) -> Vec<&Kernel> {
         let [caustic, diffuse] = &self.trace;

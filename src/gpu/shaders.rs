@@ -45,6 +45,7 @@ sources![
     "shared/grid.wgsl",
     "shared/index.wgsl",
     "shared/live.wgsl",
+    "shared/count.wgsl",
     "shared/strip.wgsl",
     "shared/lanes.wgsl",
     "shared/lanes_alone.wgsl",

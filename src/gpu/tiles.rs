@@ -1,7 +1,5 @@
 //! Tiles: the list of tiles on the device, those that rest least first, so that the live ones of a pass are its head [E21].
 
-use super::context::Context;
-use super::scene_buffers;
 use crate::layout::{TILE_BITS, TILES_VECTORS};
 use crate::rest::{EXPONENT_MAX, Rest};
 
@@ -39,12 +37,6 @@ impl Tiles {
     pub(super) fn live(&self, pass: u64) -> u32 {
         self.up_to[pass.trailing_zeros().min(EXPONENT_MAX) as usize]
     }
-}
-
-/// The buffer of a list of so many tiles: whole bindings.
-pub(super) fn buffer(context: &Context, tiles: u32) -> wgpu::Buffer {
-    let bindings = tiles.div_ceil(TILES_PER_DISPATCH).max(1);
-    scene_buffers::uniform(context, "tiles", u64::from(bindings * BINDING_BYTES))
 }
 
 #[cfg(test)]

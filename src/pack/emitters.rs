@@ -48,6 +48,15 @@ gpu_struct! {
     }
 }
 
+impl PackedEmitter {
+    /// Middle of an emissive triangle, and the radius of the circle about it that holds it.
+    pub fn circle(&self) -> (Vec3, f32) {
+        let middle = (self.e1 + self.e2) / 3.0;
+        let reach = middle.length().max((self.e1 - middle).length()).max((self.e2 - middle).length());
+        (self.origin + middle, reach)
+    }
+}
+
 /// The sun's disc is this much wider than the scene, so that no surface lies on its rim.
 const SUN_MARGIN: f32 = 1.001;
 

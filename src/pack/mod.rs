@@ -72,6 +72,13 @@ pub struct PackedCamera {
     pub forward: Vec3,
 }
 
+impl PackedCamera {
+    /// Unit direction through image coordinates (x, y).
+    pub fn direction(&self, [x, y]: [f32; 2]) -> Vec3 {
+        (self.forward + self.right * (2.0 * x - 1.0) + self.up * (1.0 - 2.0 * y)).normalize()
+    }
+}
+
 impl PackedScene {
     /// Pack a scene.
     pub fn new(scene: &Scene) -> Self {

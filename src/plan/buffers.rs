@@ -31,7 +31,7 @@ pub const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic
 /// What the pilot finds out of each pixel: where strips take turns, it is kept on the host.
 pub const KNOWN: [&str; 4] = ["gather_points", "radii", "edges", "clips"];
 /// Bytes of a pixel of a film: a vector of four, of which three are used.
-const FILM_PIXEL: u64 = 16;
+pub const FILM_PIXEL: u64 = 16;
 /// Bytes of a word.
 const WORD: u64 = 4;
 /// Bytes that every buffer's size is a multiple of.

@@ -326,10 +326,10 @@ fn learned(
     let mut guides = Guides::default();
     let (mut in_view, mut light_candidates) = (1.0, 1);
     if traces(Layer::Caustic) {
-        guides.caustic = learn::jotons(scene, seed, seen, learn::Class::Caustic).guide;
+        guides.caustic = learn::jotons(scene, seed, seen, shape::Kind::Caustic).guide;
     }
     if traces(Layer::Diffuse) {
-        let learned = learn::jotons(scene, seed, seen, learn::Class::Diffuse);
+        let learned = learn::jotons(scene, seed, seen, shape::Kind::Diffuse);
         (guides.diffuse, in_view) = (learned.guide, learned.in_view);
     }
     if traces(Layer::Direct) {

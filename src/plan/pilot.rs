@@ -26,9 +26,7 @@ impl Pilot {
             .filter_map(|i| {
                 let x = ((i % RAYS) as f32 + 0.5) / RAYS as f32;
                 let y = ((i / RAYS) as f32 + 0.5) / RAYS as f32;
-                let c = &scene.camera;
-                let d = c.forward + c.right * (2.0 * x - 1.0) + c.up * (1.0 - 2.0 * y);
-                path_length(scene, c.eye, d.normalize())
+                path_length(scene, scene.camera.eye, scene.camera.direction([x, y]))
             })
             .map(|length| length * scene.pixel_angle())
             .collect();
@@ -75,7 +73,7 @@ fn path_length(scene: &PackedScene, mut origin: Vec3, mut direction: Vec3) -> Op
 /// True where more than half of the caustic jotons start outside every target: they are aimed.
 pub(super) fn aimed(scene: &PackedScene, guide: &Guide) -> bool {
     let outside = |p: Vec3| scene.targets.iter().all(|t| (p - t.center).length() > t.radius);
-    let middle = |e: &PackedEmitter| if e.kind == 0 { e.origin + (e.e1 + e.e2) / 3.0 } else { e.origin };
+    let middle = |e: &PackedEmitter| if e.kind == 0 { e.circle().0 } else { e.origin };
     let emitters = guide.emitters(&scene.emitters).iter();
     emitters.filter(|e| outside(middle(e))).map(|e| e.pick).sum::<f32>() > 0.5
 }

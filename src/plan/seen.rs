@@ -1,7 +1,7 @@
 //! Seen: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
 
 use crate::bands::{BANDS, Bands, mul, scale};
-use crate::optics::bsdf::{Boundary, specular_direction};
+use crate::optics::bsdf::{Boundary, sample_d, specular_direction};
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface, lift};
 use crate::pack::{Marks, PackedScene};
@@ -119,9 +119,8 @@ impl Seen {
 
 /// Where camera path `number` ends.
 fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint> {
-    let [x, y] = sobol2(number, sequence_seed(seed, 0, STREAM_SEEN));
     let c = &scene.camera;
-    let direction = (c.forward + c.right * (2.0 * x - 1.0) + c.up * (1.0 - 2.0 * y)).normalize();
+    let direction = c.direction(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
     let mut ray = Ray { origin: c.eye, direction };
     let mut length = 0.0;
     for event in 0..CHAIN {
@@ -137,25 +136,25 @@ fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint
             });
         }
         let u = random4(seed, 0, number, DIMENSION_SEEN + event);
-        ray = specular_step(&s, &[1.0; BANDS], event, u)?.0;
+        ray = step(&s, &[1.0; BANDS], event, u).filter(|(is_d, _)| !is_d)?.1.0;
     }
     None
 }
 
-/// A specular event: the ray that goes on, and its flux. None where there is none.
-pub(super) fn specular_step(
+/// An event at a surface: whether it was a D event, the ray that goes on, and its flux. None where there is none.
+pub(super) fn step(
     s: &Surface,
     flux: &Bands,
     event: u32,
-    [u_way, u0, u1, _]: [f32; 4],
-) -> Option<(Ray, Bands)> {
+    [u_way, u0, u1, u_lobe]: [f32; 4],
+) -> Option<(bool, (Ray, Bands))> {
     let boundary = s.flags().is_dielectric().then(|| Boundary::at(s));
     let odds = Odds::new(s, boundary.as_ref(), flux, event);
     let way = odds.choose(u_way)?;
-    if way == 0 {
-        return None;
-    }
-    let leaving = specular_direction(s, boundary.as_ref(), way == 2, [u0, u1])?;
+    let leaving = match way {
+        0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1])?,
+        _ => specular_direction(s, boundary.as_ref(), way == 2, [u0, u1])?,
+    };
     let (reflectance, probability) = odds.ways[way];
-    Some((s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability)))
+    Some((way == 0, (s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability))))
 }

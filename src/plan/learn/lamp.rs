@@ -41,18 +41,16 @@ impl Lamp {
 /// Triangles of one lamp together, and what must be taken together to be few enough.
 pub(super) fn lamps(emitters: &[PackedEmitter]) -> Vec<Lamp> {
     let normal = |e: &PackedEmitter| e.e1.cross(e.e2).normalize_or_zero();
-    // a circle about the middle of a triangle that holds it
-    let middle = |e: &PackedEmitter| e.origin + (e.e1 + e.e2) / 3.0;
-    let reach = |e: &PackedEmitter| {
-        let corners = [e.origin, e.origin + e.e1, e.origin + e.e2];
-        corners.map(|c| c.distance(middle(e))).into_iter().fold(0.0, f32::max)
+    let touch = |a: &PackedEmitter, b: &PackedEmitter| {
+        let [(a, reach_a), (b, reach_b)] = [a.circle(), b.circle()];
+        a.distance(b) <= reach_a + reach_b
     };
     let continues = |a: &PackedEmitter, b: &PackedEmitter| {
         a.kind == 0
             && b.kind == 0
             && a.strength == b.strength
             && normal(a).dot(normal(b)) > ONE_LAMP
-            && middle(a).distance(middle(b)) <= reach(a) + reach(b)
+            && touch(a, b)
     };
     let mut starts: Vec<usize> =
         (0..emitters.len()).filter(|&i| i == 0 || !continues(&emitters[i - 1], &emitters[i])).collect();

@@ -10,24 +10,16 @@ mod lamp;
 
 pub(super) use direct::direct;
 
-use super::seen::{CHAIN, Seen, specular_step};
-use crate::bands::{Bands, mul, scale, sum};
-use crate::optics::bsdf::{Boundary, sample_d, specular_direction};
+use super::seen::{CHAIN, Seen, step};
+use super::shape::Kind;
+use crate::bands::sum;
 use crate::optics::emit::{Start, aimed_of, law_of};
-use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface};
 use crate::pack::{Guide, MAX_WARPS, PackedScene, Warp};
 use crate::rng::{random4, sequence_seed, sobol2};
 use density::warp;
 use lamp::{Lamp, lamps};
 use rayon::prelude::*;
-
-/// Which of the two maps is learned for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Class {
-    Caustic,
-    Diffuse,
-}
 
 /// What was learned of a map.
 pub(super) struct Learned {
@@ -49,7 +41,7 @@ const WORTH: [f64; 2] = [0.9, 0.6];
 const HITS: usize = 64;
 /// Events after which a diffuse joton is not followed any further.
 const EVENTS: u32 = 8;
-/// Purposes of random numbers; those of the backends lie below. The class is added.
+/// Purposes of random numbers; those of the backends lie below. The kind of map is added.
 const STREAM_PLACE: u32 = 0x210;
 const STREAM_DIRECTION: u32 = 0x220;
 const DIMENSION_LEARN: [u32; 2] = [0x11_0000, 0x12_0000];
@@ -84,11 +76,11 @@ impl Traced {
 }
 
 /// Learn how to emit the jotons of a map.
-pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, class: Class) -> Learned {
-    if seen.is_empty() || scene.emitters.is_empty() || class == Class::Caustic && scene.targets.is_empty() {
+pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, kind: Kind) -> Learned {
+    if seen.is_empty() || scene.emitters.is_empty() || kind == Kind::Caustic && scene.targets.is_empty() {
         return Learned { guide: Guide::default(), in_view: 1.0 };
     }
-    let worth = WORTH[class as usize];
+    let worth = WORTH[kind as usize];
     let mut traced: Vec<Traced> = lamps(&scene.emitters)
         .into_iter()
         .map(|lamp| Traced { lamp, count: 0, stored: 0, hits: Vec::new() })
@@ -97,7 +89,7 @@ pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, class: Class) 
     let even = 1.0 / traced.len() as f64;
     let first: Vec<f64> = traced.iter().map(|t| 0.5 * even + 0.5 * t.lamp.flux() / total).collect();
     let round = |traced: &mut Vec<Traced>, shares: &[f64], count| {
-        trace(scene, [seed, class as u32], seen, traced, shares, count);
+        trace(scene, [seed, kind as u32], seen, traced, shares, count);
     };
     round(&mut traced, &first, ROUNDS[0]);
     let found: f64 = traced.iter().map(|t| t.moment().sqrt()).sum();
@@ -140,16 +132,16 @@ fn trace(
 /// How often joton `number` of lamp number `index` is stored, and what it leaves where it is of use.
 fn hits(
     scene: &PackedScene,
-    [seed, class]: [u32; 2],
+    [seed, kind]: [u32; 2],
     seen: &Seen,
     lamp: &Lamp,
     [index, number]: [u32; 2],
 ) -> (usize, Vec<Hit>) {
-    let draw = |stream| sobol2(number, sequence_seed(seed, index, stream + class));
+    let draw = |stream| sobol2(number, sequence_seed(seed, index, stream + kind));
     let (place, towards) = (draw(STREAM_PLACE), draw(STREAM_DIRECTION));
     let (emitter, rest, pick) = lamp.pick(place[0]);
     let e = &scene.emitters[emitter];
-    let is_caustic = class == Class::Caustic as u32;
+    let is_caustic = kind == Kind::Caustic as u32;
     let start = if is_caustic {
         aimed_of(scene, e, [rest, place[1]], towards, 1.0 / pick)
     } else {
@@ -173,13 +165,12 @@ fn hits(
         if is_caustic && !s.flags().has_delta() {
             break;
         }
-        let u = random4(seed, index, number, DIMENSION_LEARN[class as usize] + event);
-        let next = if is_caustic {
-            specular_step(&s, &flux, event, u)
-        } else {
-            any_step(&s, &flux, event, u, &mut scattered)
-        };
-        let Some(next) = next else { break };
+        let u = random4(seed, index, number, DIMENSION_LEARN[kind as usize] + event);
+        let Some((is_d, next)) = step(&s, &flux, event, u) else { break };
+        if is_caustic && is_d {
+            break;
+        }
+        scattered |= is_d;
         (ray, flux) = next;
     }
     (stored, hits)
@@ -193,26 +184,6 @@ fn in_view(traced: &[Traced], share: impl Fn(usize) -> f64) -> f64 {
     };
     let stored = sum(&|t| t.stored);
     if stored > 0.0 { sum(&|t| t.hits.len()) / stored } else { 1.0 }
-}
-
-/// Any event at a surface: the ray that goes on, and its flux. None where there is none. `scattered` is set by a D event.
-fn any_step(
-    s: &Surface,
-    flux: &Bands,
-    event: u32,
-    [u_way, u0, u1, u_lobe]: [f32; 4],
-    scattered: &mut bool,
-) -> Option<(Ray, Bands)> {
-    let boundary = s.flags().is_dielectric().then(|| Boundary::at(s));
-    let odds = Odds::new(s, boundary.as_ref(), flux, event);
-    let way = odds.choose(u_way)?;
-    *scattered |= way == 0;
-    let leaving = match way {
-        0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1])?,
-        _ => specular_direction(s, boundary.as_ref(), way == 2, [u0, u1])?,
-    };
-    let (reflectance, probability) = odds.ways[way];
-    Some((s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability)))
 }
 
 /// Warps and pick probabilities from what was found, if these are worth it.
