@@ -1,5 +1,5 @@
 // Eye: one camera path per pixel, through mirrors and glass to the first diffuse surface: a gather point.
-// Emission that is met on the way goes to the film (E S* L), but where the glint kernel sees to it.
+// Emission that is met on the way goes to the film (E S* L), weighed beside that of the glint kernel's trees [E25].
 // reads  scene, tiles, path_filter      writes  gather_points, film_emission, status
 // import: shared/features.wgsl
 // import: shared/strip.wgsl
@@ -13,6 +13,8 @@
 // import: shared/camera.wgsl
 // import: shared/survival.wgsl
 // import: shared/paths.wgsl
+// import: shared/splits.wgsl
+// import: shared/trees.wgsl
 
 @group(1) @binding(0) var<uniform> path_filter: PathFilter;
 @group(1) @binding(1) var<storage, read_write> gather_points: array<GatherPoint>;
@@ -31,13 +33,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let sample = sequence_index(index);
     let jitter = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
     let choices = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
-    let flags = gather_points[held(pixel)].pixel_flags;
+    let level = gather_points[held(pixel)].glint_level;
+    let trees = trees_a_pass(level);
+    var splits = Splits(1.0, 1.0);
     var origin = pass_info.eye;
     var direction = camera_direction(pixel, jitter);
     var throughput = Bands(1.0);
     var emission = Bands(0.0);
     var length = 0.0;
-    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, flags);
+    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level);
     var events = 0u;
     var rays = 0u;
 
@@ -53,7 +57,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let from_front = dot(direction, s.front) < 0.0;
         if (m.flag_bits & EMISSIVE) != 0u && from_front
             && (!HAS_PATH_FILTER || path_wanted(PATH_START, events)) {
-            emission += throughput * m.emission;
+            emission += throughput * m.emission * (splits.chance / (splits.chance + trees));
         }
         let toward_eye = select(-1.0, 1.0, from_front);
         let geometric = s.front * toward_eye;
@@ -76,7 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             point = GatherPoint(
                 s.position, s.material | (min(events, CHAIN_MAX) << 24u) | back,
                 throughput * (kept / scatter), length,
-                encode_direction(geometric), encode_direction(shading), encode_direction(-direction), flags,
+                encode_direction(geometric), encode_direction(shading), encode_direction(-direction), level,
             );
             break;
         }
@@ -94,6 +98,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         // [E9] radiance scales with the square of the index; flux does not
         let radiance_scale = select(1.0, next.eta_it * next.eta_it, event == EVENT_TRANSMIT);
         throughput *= event_reflectance(m, event, reflectance) * (kept / (survives * event_chance(c, event)) * radiance_scale);
+        splits = splits_after(splits, c, event);
         direction = next.direction;
         origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
         events += 1u;
@@ -107,7 +112,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
     gather_points[held(pixel)] = point;
-    if (flags & PIXEL_GLINT) == 0u {
-        film_emission[held(pixel)] += vec4(emission, 0.0);
-    }
+    film_emission[held(pixel)] += vec4(emission, 0.0);
 }

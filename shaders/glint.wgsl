@@ -1,7 +1,7 @@
-// Glint: emission seen through specular surfaces (E S* L) where it is small in the image: a few camera chains that branch
-// evenly between reflection and refraction. A lamp's four percent in a water surface is then found by every other chain
-// instead of by every twenty-fifth. Only for pixels that the pilot marked; the eye kernel leaves these to us.
-// reads  scene, tiles, path_filter, gather_points (its pixel flags)      writes  film (emission; counts in the pilot), status
+// Glint: emission seen through specular surfaces (E S* L) where it is small in the image: a few camera trees, which take
+// both ways at a dielectric boundary, find it. A lamp's four percent in a water surface is then seen by every tree instead of
+// by every twenty-fifth eye path. Only for pixels in the list; each weighs what the eye path would not find [E25].
+// reads  scene, tiles, path_filter, glints      writes  seen, status
 // import: shared/features.wgsl
 // import: shared/strip.wgsl
 // import: shared/live.wgsl
@@ -14,132 +14,182 @@
 // import: shared/camera.wgsl
 // import: shared/survival.wgsl
 // import: shared/paths.wgsl
-
-// The pilot counts in how many of its chains light is seen: 0 none, 1 some, 2 all, directly.
+// import: shared/splits.wgsl
+// import: shared/trees.wgsl
 
 @group(1) @binding(0) var<uniform> path_filter: PathFilter;
-@group(1) @binding(1) var<storage, read> gather_points: array<GatherPoint>;
-@group(1) @binding(2) var<storage, read_write> film: array<vec4<f32>>;
+@group(1) @binding(1) var<storage, read> glints: array<u32>;
+// Emission of each tree; of each pixel in the pilot.
+@group(1) @binding(2) var<storage, read_write> seen: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
 
-// Chains for each pixel and pass.
-const CHAINS: u32 = 4u;
-const PILOT_CHAINS: u32 = 8u;
-// Events at which both branches get the same chance.
-const EVEN_EVENTS: u32 = 3u;
+// What a pilot's trees saw of light in a pixel. Twin: Light in src/glints.rs.
+const LIGHT_NOWHERE: f32 = 0.0;
+const LIGHT_IN_PART: f32 = 1.0;
+const LIGHT_EVERYWHERE: f32 = 2.0;
 
 struct Seen {
     emission: Bands,
     // Everything that was seen is the front of a light, without a specular surface between.
     direct: bool,
+    // It took both ways somewhere.
+    branched: bool,
     rays: u32,
 }
 
-// Chain `number` of a pixel, which ends before `steps` comes to `budget`.
-fn chain(pixel: u32, number: u32, budget: u32) -> Seen {
+// A way that is still to be followed.
+struct Way {
+    origin: vec3<f32>,
+    events: u32,
+    direction: vec3<f32>,
+    splits: Splits,
+    throughput: Bands,
+}
+
+// Tree `number` of a pixel, which ends before `steps` comes to `budget`; weighed beside so many trees a pass, but in the pilot.
+fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
     let jitter = sobol2(number, sequence_seed(pass_info.seed, pixel, STREAM_GLINT_JITTER));
-    let choices = sobol2(number, sequence_seed(pass_info.seed, pixel, STREAM_GLINT_CHOICE));
-    var origin = pass_info.eye;
-    var direction = camera_direction(pixel, jitter);
-    var throughput = Bands(1.0);
-    var seen = Seen(Bands(0.0), false, 0u);
-    for (var events = 0u;; events += 1u) {
-        seen.rays += 1u;
-        let hit = traverse(origin, direction, 1e30, false);
+    var waiting: array<Way, WAITING_MAX>;
+    var waits = 0u;
+    var found = Seen(Bands(0.0), false, false, 0u);
+    var node = 0u;
+    var way = Way(pass_info.eye, 0u, camera_direction(pixel, jitter), Splits(1.0, 1.0), Bands(1.0));
+    var alive = true;
+    // each turn is a ray of whatever way: lanes that run in step do not wait for the ends of each other's ways
+    while alive || waits > 0u {
+        if !alive {
+            waits -= 1u;
+            way = waiting[waits];
+        }
+        alive = false;
+        found.rays += 1u;
+        let hit = traverse(way.origin, way.direction, 1e30, false);
         if hit.triangle == MISS {
-            break;
+            continue;
         }
         let s = surface_at(hit);
         let m = materials[s.material];
-        let from_front = dot(direction, s.front) < 0.0;
+        let from_front = dot(way.direction, s.front) < 0.0;
         if (m.flag_bits & EMISSIVE) != 0u && from_front
-            && (!HAS_PATH_FILTER || path_wanted(PATH_START, events)) {
-            seen.emission += throughput * m.emission;
-            seen.direct = events == 0u;
+            && (pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events)) {
+            found.emission += way.throughput * m.emission * select(1.0 / (way.splits.chance + trees), 1.0, pilot);
+            found.direct = way.events == 0u;
         }
         let geometric = s.front * select(-1.0, 1.0, from_front);
-        let shading = facing_normal(s, direction, geometric);
-        let reflectance = dielectric_reflectance(m, shading, direction, from_front);
-        let c = chances(m, throughput, reflectance);
+        let shading = facing_normal(s, way.direction, geometric);
+        let reflectance = dielectric_reflectance(m, shading, way.direction, from_front);
+        let c = chances(m, way.throughput, reflectance);
         let specular = c.mirror + c.reflect + c.transmit;
         if specular <= 0.0 {
-            break;
+            continue;
         }
-        seen.direct = false;
-        let random = random4(pass_info.seed, number, pixel, DIMENSION_GLINT + events);
+        found.direct = false;
+        let random = random4(pass_info.seed, number, pixel, DIMENSION_GLINT + node);
+        node += 1u;
         // nothing is scattered or absorbed by chance here: only specular events lead to light
-        var chance_reflect = (c.mirror + c.reflect) / specular;
-        if events < EVEN_EVENTS && c.reflect > 0.0 && c.transmit > 0.0 {
-            chance_reflect = 0.5;
+        let both = takes_both(way.splits, c);
+        var event = select(EVENT_TRANSMIT, EVENT_REFLECT, random.x * specular < c.reflect);
+        if both {
+            // the lesser first: so many are never waiting
+            event = select(EVENT_TRANSMIT, EVENT_REFLECT, c.reflect <= c.transmit);
+            let greater = select(EVENT_REFLECT, EVENT_TRANSMIT, c.reflect <= c.transmit);
+            let other = after(way, s, m, c, reflectance, greater, geometric, shading, from_front, random.yz);
+            if other.alive {
+                waiting[waits] = other.way;
+                waits += 1u;
+            }
+            found.branched = true;
         }
-        var choice = random.x;
-        if events < 2u {
-            choice = select(choices.y, choices.x, events == 0u);
-        }
-        let reflects = choice < chance_reflect;
-        var event = select(EVENT_TRANSMIT, EVENT_REFLECT, reflects);
         if c.mirror > 0.0 {
             event = EVENT_MIRROR;
         }
-        let next = specular_scatter(m, event, direction, geometric, shading, from_front, random.yz);
-        if !next.alive {
-            break;
+        let next = after(way, s, m, c, reflectance, event, geometric, shading, from_front, random.yz);
+        let taken = event_chance(c, event);
+        let survives = survival(way.events, select(specular, taken, both), budget);
+        if !next.alive || random.w >= survives {
+            continue;
         }
-        let radiance_scale = select(1.0, next.eta_it * next.eta_it, event == EVENT_TRANSMIT);
-        throughput *= event_reflectance(m, event, reflectance)
-            * (radiance_scale / select(1.0 - chance_reflect, chance_reflect, reflects));
-        direction = next.direction;
-        origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
-        let survives = survival(events, specular, budget);
-        if random.w >= survives {
-            break;
-        }
-        throughput /= survives;
+        alive = true;
+        way = next.way;
+        way.throughput *= select(specular / taken, 1.0, both) / survives;
         if steps > budget {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);
             break;
         }
     }
-    return seen;
+    return found;
+}
+
+struct Next {
+    way: Way,
+    alive: bool,
+}
+
+// What of a way goes on after an event; not divided by the chance to take it.
+fn after(
+    way: Way, s: Surface, m: PackedMaterial, c: Chances, reflectance: f32, event: u32,
+    geometric: vec3<f32>, shading: vec3<f32>, from_front: bool, u: vec2<f32>,
+) -> Next {
+    let scattered = specular_scatter(m, event, way.direction, geometric, shading, from_front, u);
+    // [E9] radiance scales with the square of the index; flux does not
+    let radiance_scale = select(1.0, scattered.eta_it * scattered.eta_it, event == EVENT_TRANSMIT);
+    let d = scattered.direction;
+    let origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(d, s.front) >= 0.0));
+    let throughput = way.throughput * event_reflectance(m, event, reflectance) * radiance_scale;
+    let next = Way(origin, way.events + 1u, d, splits_after(way.splits, c, event), throughput);
+    return Next(next, scattered.alive && max_band(throughput) > 0.0);
 }
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let index = linear_index(id, groups);
-    let pixel = live_pixel(index);
+    let pilot = pass_info.pass_index == PILOT_PASS;
+    var pixel = NO_PIXEL;
+    var trees = PILOT_TREES;
+    var a_pass = 0.0;
+    var first = PILOT_PASS * PILOT_TREES;
+    if pilot {
+        pixel = live_pixel(index);
+    } else if index < pass_info.glint_count {
+        // a tree each; the trees of one pixel begin at a multiple of their number
+        let entry = glints[pass_info.glint_first + index];
+        let level = glint_level(entry);
+        pixel = glint_pixel(entry);
+        a_pass = trees_a_pass(level);
+        trees = 1u;
+        first = pass_info.pass_index * trees_of(level) + index % trees_of(level);
+        first = select(first, pass_info.pass_index / pass_info.glint_turns, level == GLINT_TURNS);
+    }
     if pixel == NO_PIXEL {
         return;
     }
-    let pilot = pass_info.pass_index == PILOT_PASS;
-    if !pilot && (gather_points[held(pixel)].pixel_flags & PIXEL_GLINT) == 0u {
-        return;
-    }
-    let sample = sequence_index(index);
-    let chains = select(CHAINS, PILOT_CHAINS, pilot);
     var emission = Bands(0.0);
+    var square = 0.0;
     var lit = 0u;
     var lit_directly = 0u;
+    var branched = false;
     var rays = 0u;
-    for (var i = 0u; i < chains; i += 1u) {
-        // the chains to come keep their part
-        let budget = CAMERA_STEPS - STEP_RAMP * (chains - 1u - i);
-        let seen = chain(pixel, sample * chains + i, budget);
-        emission += seen.emission;
-        rays += seen.rays;
-        lit += select(0u, 1u, max_band(seen.emission) > 0.0);
-        lit_directly += select(0u, 1u, seen.direct);
+    for (var i = 0u; i < trees; i += 1u) {
+        // the trees to come keep their part
+        let budget = CAMERA_STEPS - STEP_RAMP * (trees - 1u - i);
+        let found = tree(pixel, first + i, a_pass, pilot, budget);
+        emission += found.emission;
+        square += dot(found.emission, found.emission);
+        rays += found.rays;
+        lit += select(0u, 1u, max_band(found.emission) > 0.0);
+        lit_directly += select(0u, 1u, found.direct);
+        branched = branched || found.branched;
     }
-    if pilot {
-        if traversal_cut {
-            atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
-        }
-        let all = lit_directly == chains;
-        film[held(pixel)] = vec4(select(select(0.0, 1.0, lit > 0u), 2.0, all), 0.0, 0.0, 0.0);
-        return;
-    }
-    count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    film[held(pixel)] += vec4(emission / f32(chains), 0.0);
+    if pilot {
+        let in_part = select(LIGHT_NOWHERE, LIGHT_IN_PART, lit > 0u);
+        let light = select(in_part, LIGHT_EVERYWHERE, lit_directly == trees);
+        let mean = emission / f32(trees);
+        seen[held(pixel)] = vec4(light, select(0.0, 1.0, branched), square / f32(trees), dot(mean, mean));
+        return;
+    }
+    count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
+    seen[index] = vec4(emission, 0.0);
 }

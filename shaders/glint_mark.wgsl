@@ -1,29 +1,22 @@
-// Glint mark: a pixel is left to the glint kernel where it or a neighbour sees light in some of its chains, or sees
-// something else than a neighbour does. Pixels inside a lamp, and far from any, stay with the eye kernel.
-// reads  glints (of the glint pilot)      writes  gather_points (pixel flags)
+// Glint mark: the eye kernel must know in which pixels trees look for emission besides it.
+// reads  glints      writes  gather_points (their levels)
+// import: shared/index.wgsl
 // import: shared/strip.wgsl
+// import: shared/trees.wgsl
 
 @group(0) @binding(0) var<uniform> pass_info: PassInfo;
-@group(0) @binding(1) var<storage, read> glints: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read> glints: array<u32>;
 @group(0) @binding(2) var<storage, read_write> gather_points: array<GatherPoint>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let pixel = strip_pixel(linear_index(id, groups));
-    if pixel == NO_PIXEL {
+    let index = linear_index(id, groups);
+    if index >= pass_info.glint_count {
         return;
     }
-    let rows = rows_about(pixel);
-    let columns = columns_about(pixel);
-    var lowest = 2.0;
-    var highest = 0.0;
-    for (var y = rows.x; y <= rows.y; y += 1u) {
-        for (var x = columns.x; x <= columns.y; x += 1u) {
-            let glint = glints[held(y * pass_info.width + x)].x;
-            lowest = min(lowest, glint);
-            highest = max(highest, glint);
-        }
+    let entry = glints[pass_info.glint_first + index];
+    let level = glint_level(entry);
+    if index % trees_of(level) == 0u {
+        gather_points[held(glint_pixel(entry))].glint_level = level;
     }
-    let mixed = highest == 1.0 || lowest != highest;
-    gather_points[held(pixel)].pixel_flags = select(0u, PIXEL_GLINT, mixed);
 }

@@ -3,6 +3,7 @@
 use crate::bands::{BANDS, Bands};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
+use crate::glints::Glints;
 use crate::rest::Rest;
 
 /// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
@@ -49,6 +50,20 @@ pub trait Backend {
     fn rest(&mut self, rest: &Rest) -> bool {
         let _ = rest;
         false
+    }
+
+    /// The pixels in which trees look for emission, from the first batch on; none where that is not done.
+    fn glints(&self) -> Option<&Glints> {
+        None
+    }
+
+    /// From now on grow so many trees: more than before, between two powers of two of passes.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where the device fails.
+    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+        let _ = glints;
+        Ok(())
     }
 
     /// Render passes `first .. first + count`, numbered from 0.

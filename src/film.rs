@@ -170,7 +170,7 @@ impl Film {
     }
 
     /// Sum over the passes of a layer of a pixel.
-    fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
+    pub(crate) fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
         let sum = self.sums[layer][pixel];
         match self.rest.pending_at(pixel, self.passes) {
             0 => sum,

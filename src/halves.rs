@@ -138,6 +138,11 @@ impl Halves {
         self.film.set_rest(rest);
     }
 
+    /// All passes.
+    pub(crate) fn film(&self) -> &Film {
+        &self.film
+    }
+
     /// The mean of all passes.
     pub(crate) fn picture(&self) -> Picture {
         self.film.picture()

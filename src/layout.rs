@@ -83,12 +83,12 @@ gpu_struct! {
         pub held_first: u32,
         /// Rows that the buffers hold.
         pub held_rows: u32,
-        /// Padding.
-        pub pad0: u32,
-        /// Padding.
-        pub pad1: u32,
-        /// Padding.
-        pub pad2: u32,
+        /// First tree of the dispatch in the list of glints.
+        pub glint_first: u32,
+        /// Trees of the dispatch.
+        pub glint_count: u32,
+        /// Passes of which one has a tree, in pixels of level [`GLINT_TURNS`].
+        pub glint_turns: u32,
     }
 }
 
@@ -161,16 +161,26 @@ gpu_struct! {
         pub shading_normal: u32,
         /// Direction toward the eye, octahedral.
         pub wo: u32,
-        /// [`PIXEL_GLINT`] or 0; stays from pass to pass.
-        pub pixel_flags: u32,
+        /// How many trees look for emission besides the eye path [E25]; stays from pass to pass.
+        pub glint_level: u32,
     }
 }
 
 /// Pixels across and down a workgroup's tile.
 pub use crate::rest::TILE;
 
-/// Bit of [`GatherPoint::pixel_flags`]: emission in this pixel is the glint kernel's.
-pub const PIXEL_GLINT: u32 = 1;
+/// [`GatherPoint::glint_level`] of pixels that have a tree now and then; 0 where they have none.
+pub const GLINT_TURNS: u32 = 1;
+/// Trees a pass of a pixel of the level above that; each further one has twice as many.
+pub const GLINT_TREES: u32 = 2;
+/// Lower bits of an entry in the list of glints: the pixel. Its level lies above.
+pub const GLINT_PIXEL_BITS: u32 = 28;
+/// Trees of a pixel in the pilot.
+pub const PILOT_TREES: u32 = 4;
+/// A tree takes both ways while the lesser keeps this part of what it began with.
+pub const SPLIT_MIN: f32 = 1.0 / 64.0;
+/// Ways of a tree that wait for others, at most: each is at least twice as much as all that is followed before it.
+pub const WAITING_MAX: u32 = 7;
 
 /// Bit of [`GatherPoint::surface`].
 pub const BACK_SIDE: u32 = 1 << 30;
@@ -382,7 +392,11 @@ pub fn constants() -> String {
     u("MARK_FACTOR_Z", MARK_FACTORS[2]);
     u("UNSEEN_STORED", UNSEEN_STORED);
     u("BACK_SIDE", BACK_SIDE);
-    u("PIXEL_GLINT", PIXEL_GLINT);
+    u("GLINT_TURNS", GLINT_TURNS);
+    u("GLINT_TREES", GLINT_TREES);
+    u("GLINT_PIXEL_BITS", GLINT_PIXEL_BITS);
+    u("PILOT_TREES", PILOT_TREES);
+    u("WAITING_MAX", WAITING_MAX);
     u("TILE", TILE);
     u("STATUS_UNFINISHED", status::UNFINISHED);
     u("STATUS_LANE_STORED_MAX", status::LANE_STORED_MAX);
@@ -424,6 +438,7 @@ pub fn constants() -> String {
     f("CLIP_GRAZING", CLIP_GRAZING);
     f("CLIP_SAME", CLIP_SAME);
     f("CLIP_KEPT_MIN", CLIP_KEPT_MIN);
+    f("SPLIT_MIN", SPLIT_MIN);
     s
 }
 

@@ -3,6 +3,7 @@
 
 use crate::bands::{BANDS, Bands};
 use crate::film::LAYERS;
+use crate::glints::Glints;
 use crate::rest::{EXPONENT_MAX, Rest};
 
 /// Passes that are watched before a tile rests: a quiet tile and its eight neighbours have seen 2304 samples by then.
@@ -58,15 +59,18 @@ impl Quiet {
     }
 
     /// Who rests after `passes` passes, where that changes: tiles go to rest at powers of two, 2^k then being half of the
-    /// passes, and wake at the end of any block in which they or a neighbour saw something else.
-    pub(crate) fn renew(&mut self, passes: u64) -> Option<&Rest> {
+    /// passes, and wake at the end of any block in which they or a neighbour saw something else. Where `glints` has trees it
+    /// is not known what they will see.
+    pub(crate) fn renew(&mut self, passes: u64, glints: Option<&Glints>) -> Option<&Rest> {
         let to_rest = passes >= WATCHED && passes.is_power_of_two();
+        let is_quiet =
+            |tile: usize| self.is_quiet(tile) && glints.is_none_or(|g| !g.any(&self.rest.tile(tile)));
         let exponents: Vec<u8> = (0..self.seen.len())
             .map(|tile| match self.rest.exponents()[tile] {
                 k if Rest::pending(k, passes) > 0 => k,
-                _ if to_rest && self.is_quiet(tile) => (passes.ilog2() - 1).min(EXPONENT_MAX) as u8,
+                _ if to_rest && is_quiet(tile) => (passes.ilog2() - 1).min(EXPONENT_MAX) as u8,
                 0 => 0,
-                k if !to_rest && self.is_quiet(tile) => k,
+                k if !to_rest && is_quiet(tile) => k,
                 _ => 0,
             })
             .collect();
@@ -113,7 +117,7 @@ mod tests {
                 layers[0][pixel] = [3.4; BANDS];
             }
             quiet.watch(pass, 1, &layers);
-            quiet.renew(pass + 1);
+            quiet.renew(pass + 1, None);
         }
         quiet
     }
@@ -161,7 +165,7 @@ mod tests {
                 let layers = std::array::from_fn(|_| vec![[value; BANDS]; 64]);
                 quiet.watch(first, passes, &layers);
             }
-            quiet.renew(4);
+            quiet.renew(4, None);
             assert_eq!(quiet.rest.exponents(), [k]);
         }
     }

@@ -4,6 +4,7 @@ use crate::backend::{Backend, Tally};
 use crate::bands::BANDS;
 use crate::error::Result;
 use crate::film::{Layer, Picture};
+use crate::glints;
 pub use crate::halves::ErrorEstimate;
 use crate::halves::{self, Halves};
 use crate::quiet::Quiet;
@@ -131,6 +132,7 @@ pub fn render(
     };
     let mut sums = Halves::new(size);
     let mut quiet = backend.rest(&Rest::none(size)).then(|| Quiet::new(size));
+    let mut glimpses = glints::Watch::new(size);
     let mut tally = Tally::default();
     let mut imbalance = Imbalance::default();
     let mut passes = 0u64;
@@ -150,11 +152,19 @@ pub fn render(
         tally += batch.tally;
         imbalance.add(count, &batch.tally);
         passes += count;
+        if let Some(glints) = backend.glints() {
+            glimpses.watch(count, &batch.layers[Layer::Emission as usize], glints);
+            if passes > 1 && passes.is_power_of_two() {
+                let grown = glimpses.grown(glints, sums.film());
+                backend.set_glints(grown)?;
+            }
+        }
         if let Some(quiet) = &mut quiet {
             quiet.watch(passes - count, count, &batch.layers);
-            if let Some(rest) = quiet.renew(passes) {
-                backend.rest(rest);
-                sums.set_rest(rest.clone());
+            if let Some(rest) = quiet.renew(passes, backend.glints()) {
+                let rest = rest.clone();
+                backend.rest(&rest);
+                sums.set_rest(rest);
             }
         }
         if is_estimated(passes) {

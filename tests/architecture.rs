@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module and what it may import, from the top down: an arrow to a module further up needs a reason.
 /// `bands` and `error` are free for all.
-const ARROWS: [(&str, &[&str]); 26] = [
+const ARROWS: [(&str, &[&str]); 28] = [
     ("main", &["cli"]),
     (
         "cli",
@@ -17,14 +17,30 @@ const ARROWS: [(&str, &[&str]); 26] = [
     ("export", &["output", "pack", "scene"]),
     ("bench", &["render", "output", "backend", "film"]),
     ("report", &["render", "backend", "plan", "pack", "memory"]),
-    ("render", &["halves", "quiet", "backend", "film", "rest"]),
+    ("render", &["halves", "quiet", "glints", "backend", "film", "rest"]),
     ("halves", &["film", "rest"]),
-    ("quiet", &["film", "rest"]),
-    ("gpu", &["backend", "plan", "layout", "pack", "film", "paths", "rng", "rest", "memory"]),
-    ("cpu", &["backend", "plan", "optics", "layout", "pack", "film", "paths", "rng", "rest"]),
-    ("plan", &["optics", "layout", "pack", "paths", "film", "rng"]),
+    ("quiet", &["glints", "film", "rest"]),
+    ("gpu", &["backend", "plan", "glints", "layout", "pack", "film", "paths", "rng", "rest", "memory"]),
+    (
+        "cpu",
+        &[
+            "backend",
+            "plan",
+            "glints",
+            "optics",
+            "layout",
+            "pack",
+            "film",
+            "paths",
+            "rng",
+            "rest",
+            "neighbours",
+        ],
+    ),
+    ("plan", &["glints", "optics", "layout", "pack", "paths", "film", "rng"]),
     ("optics", &["layout", "pack"]),
-    ("backend", &["film", "rest"]),
+    ("backend", &["glints", "film", "rest"]),
+    ("glints", &["layout", "film", "rng", "neighbours"]),
     // up: structs are declared by layout's macro
     ("pack", &["scene", "bvh", "rng", "layout"]),
     ("layout", &["pack", "paths", "rest"]),
@@ -37,6 +53,7 @@ const ARROWS: [(&str, &[&str]); 26] = [
     ("rng", &[]),
     ("memory", &[]),
     ("rest", &[]),
+    ("neighbours", &[]),
     ("bands", &[]),
     ("error", &[]),
 ];

@@ -5,8 +5,8 @@
 use super::eye::GatherPoint;
 use super::gather::Window;
 use super::maps::AreaMap;
-use super::neighbours::around;
 use crate::layout::{CLIP_GRAZING, CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
+use crate::neighbours::around;
 use crate::optics::sampling::basis;
 use crate::pack::PackedScene;
 use glam::Vec3;

@@ -1,5 +1,6 @@
 //! Eye: a camera ray through specular surfaces to its gather point, and the emission met on the way (E S* L).
 
+use super::splits::Splits;
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
@@ -37,7 +38,7 @@ pub(super) struct GatherPoint<'a> {
 /// What an eye path found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EyePath<'a> {
-    /// Radiance of the emitters on the chain.
+    /// Radiance of the emitters on the chain, weighed beside the trees'.
     pub(super) emission: Bands,
     pub(super) gather_point: Option<GatherPoint<'a>>,
 }
@@ -61,32 +62,38 @@ pub(super) fn wants_emission(plan: &Plan, chain: u32) -> bool {
         || plan.settings.paths.accept_mask_after_specular(chain) >> LightPaths::START & 1 == 1
 }
 
-/// Follow a pixel's ray to the first D event.
+/// Follow a pixel's ray to the first D event. So many trees a pass see its emission, too.
 pub(super) fn follow<'a>(
     scene: &'a PackedScene,
     plan: &Plan,
     pixel: u32,
     pass: u32,
+    trees: f32,
     tally: &mut Tally,
 ) -> EyePath<'a> {
     let settings = &plan.settings;
     let mut ray = camera_ray(scene, settings.seed, pixel, pass);
     // the first choices of way cover their square evenly over the passes: most of a glass ball's noise is theirs
     let choices = sobol2(pass, sequence_seed(settings.seed, pixel, STREAM_CHOICE));
-    let (mut throughput, mut length) = ([1.0; 3], 0.0);
+    let (mut throughput, mut length, mut splits) = ([1.0; 3], 0.0, Splits::start());
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;
         let Some(s) = Surface::hit(scene, &ray) else { return path };
         length += s.distance;
         if s.front && s.flags().is_emissive() && wants_emission(plan, chain) {
-            path.emission = add(&path.emission, &mul(&throughput, &s.material.emission));
+            let emission = mul(&throughput, &s.material.emission);
+            path.emission = add(&path.emission, &scale(&emission, splits.weight_of_eye(trees)));
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
         let carried = max(&throughput);
         let (on, kept) = if s.flags().is_dielectric() {
-            cross(&s, &mut throughput, u_way, Split::ByFlux)
+            let ways = branches(&s, &throughput);
+            let Some((taken, branch)) = pick(&ways, u_way) else { return path };
+            splits = splits.after(&ways, taken, carried);
+            throughput = branch.throughput;
+            (Some(branch.direction), branch.kept)
         } else {
             let weight_d = max(&mul(&throughput, &reflectance_d(s.material)));
             let weight_s = max(&mul(&throughput, &s.material.specular));
@@ -111,6 +118,7 @@ pub(super) fn follow<'a>(
                 return path;
             }
             throughput = scale(&mul(&throughput, &s.material.specular), 1.0 / (1.0 - p_d));
+            splits = splits.mirrored(weight_s / carried, 1.0 - p_d);
             (sample_mirror(&s, [u0, u1]), weight_d + weight_s)
         };
         let Some(direction) = on else { return path };
@@ -131,31 +139,40 @@ pub(super) fn survival(event: u32, kept: f32) -> f32 {
     if event < SURE_EVENTS { 1.0 } else { kept.min(SURVIVAL_MAX) }
 }
 
-/// How often each branch of a dielectric boundary is followed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Split {
-    /// As its share of what the path carries.
-    ByFlux,
-    /// Both alike, however little one carries.
-    Even,
+/// One way at a dielectric boundary.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Branch {
+    /// Unit vector.
+    pub(super) direction: Vec3,
+    /// What of a path's throughput goes this way. Radiance scales by (η_i/η_t)² on crossing [E9]; a joton's flux does not.
+    pub(super) throughput: Bands,
+    /// The flux of it, in the path's largest band: without the scale.
+    pub(super) kept: f32,
 }
 
-/// Through a dielectric boundary or off it: the direction, and the flux kept both ways, of what `throughput` carries.
-/// Radiance scales by (η_i/η_t)² on crossing [E9]; a joton's flux does not.
-pub(super) fn cross(s: &Surface, throughput: &mut Bands, u: f32, split: Split) -> (Option<Vec3>, f32) {
+/// Off a dielectric boundary, and through it.
+pub(super) fn branches(s: &Surface, throughput: &Bands) -> [Branch; 2] {
     let b = Boundary::at(s);
     let reflected = scale(&mul(throughput, &s.material.specular), b.fresnel);
     let transmitted = scale(&mul(throughput, &s.material.transmission), 1.0 - b.fresnel);
-    let (r, t) = (max(&reflected), max(&transmitted));
-    if r + t <= 0.0 {
-        return (None, 0.0);
+    let radiance_scale = b.eta_i_over_t * b.eta_i_over_t;
+    [
+        Branch { direction: b.reflected, throughput: reflected, kept: max(&reflected) },
+        Branch {
+            direction: b.refracted,
+            throughput: scale(&transmitted, radiance_scale),
+            kept: max(&transmitted),
+        },
+    ]
+}
+
+/// One of two branches, each as often as its share of the flux, and which.
+pub(super) fn pick(ways: &[Branch; 2], u: f32) -> Option<(usize, Branch)> {
+    let kept = ways[0].kept + ways[1].kept;
+    if kept <= 0.0 {
+        return None;
     }
-    let p = if split == Split::Even && r > 0.0 && t > 0.0 { 0.5 } else { r / (r + t) };
-    if u < p {
-        *throughput = scale(&reflected, 1.0 / p);
-        (Some(b.reflected), r + t)
-    } else {
-        *throughput = scale(&transmitted, b.eta_i_over_t * b.eta_i_over_t / (1.0 - p));
-        (Some(b.refracted), r + t)
-    }
+    let p = ways[0].kept / kept;
+    let (taken, p) = if u < p { (0, p) } else { (1, 1.0 - p) };
+    Some((taken, Branch { throughput: scale(&ways[taken].throughput, 1.0 / p), kept, ..ways[taken] }))
 }

@@ -1,139 +1,169 @@
-//! Glint: emission that is small in the image (E S* L): a lamp in a water surface, the rim of a lamp. A few camera chains
-//! that branch evenly between reflection and refraction find it; a pixel's one eye path would alias it for hundreds of
-//! passes. Only in pixels that a pilot marked; the eye path's own emission counts in the others.
+//! Glint: emission that is small in the image (E S* L): a lamp in a water surface, the rim of a lamp. A few camera trees,
+//! which take both ways at a dielectric boundary, find it; a pixel's one eye path would alias it for hundreds of passes.
+//! In pixels that a pilot marked; in those that see specular surfaces and no light now and then; in the others the eye path
+//! alone. Where there are both, each weighs what the other would not find [E25].
 
-use super::eye::{Split, cross, ray_through, survival, wants_emission};
-use super::neighbours::around;
-use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_CHOICE, STREAM_GLINT_JITTER};
+use super::eye::{Branch, branches, pick, ray_through, survival, wants_emission};
+use super::splits::Splits;
+use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
-use crate::bands::{BLACK, Bands, add, is_black, max, mul, scale};
-use crate::optics::bsdf::sample_mirror;
-use crate::optics::ray::Surface;
+use crate::bands::{BANDS, BLACK, Bands, add, is_black, max, mul, scale};
+use crate::glints::{Glints, Light, Look, is_mixed};
+use crate::layout::{PILOT_TREES, WAITING_MAX};
+use crate::optics::bsdf::{reflectance_d, sample_mirror};
+use crate::optics::ray::{Ray, Surface};
 use crate::pack::PackedScene;
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};
 use rayon::prelude::*;
 
-/// Chains of a marked pixel in a pass.
-const CHAINS: u32 = 4;
-/// Chains of a pixel in the pilot …
-const PILOT_CHAINS: u32 = 8;
-/// … and of those the ones that tell whether there is anything to see but D surfaces: most pixels need no more.
+/// Of the trees of a pixel in the pilot the ones that tell whether there is anything to see but D surfaces: most pixels need no more.
 const PILOT_FIRST: u32 = 2;
-/// Events at which both branches get the same chance: into a body, out of it, and one to spare. Longer chains carry too
-/// little to be worth a doubling.
-const EVEN_EVENTS: u32 = 3;
-
-/// What one chain saw.
+/// What one tree saw.
 struct Seen {
     /// Radiance of the emitters on it.
     emission: Bands,
     /// It ended on an emitter, with nothing specular before.
     direct: bool,
-    /// There was a specular event.
-    specular: bool,
+    /// It took both ways somewhere.
+    branched: bool,
 }
 
-/// What the pilot's chains saw of light in a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Light {
-    Nowhere,
-    InPart,
-    /// Every chain, and directly.
-    Everywhere,
+/// A way that is still to be followed.
+#[derive(Clone, Copy)]
+struct Way {
+    ray: Ray,
+    throughput: Bands,
+    splits: Splits,
+    /// Events so far.
+    events: u32,
 }
 
-/// Follow chain `number` of a pixel through specular events only; count the emission that is `wanted` after so many.
-/// Nothing is scattered or absorbed by chance: what D events would take is in the reflectance.
-fn chain(
+/// Follow tree `number` of a pixel through specular events only, and weigh the emission met after so many. Nothing is
+/// scattered or absorbed by chance: what D events would take is in the reflectance.
+fn tree(
     scene: &PackedScene,
     seed: u32,
-    pixel: u32,
-    number: u32,
-    wanted: impl Fn(u32) -> bool,
+    [pixel, number]: [u32; 2],
+    weight: impl Fn(u32, &Splits) -> f32,
     tally: &mut Tally,
 ) -> Seen {
     let place = sobol2(number, sequence_seed(seed, pixel, STREAM_GLINT_JITTER));
-    let choices = sobol2(number, sequence_seed(seed, pixel, STREAM_GLINT_CHOICE));
-    let mut ray = ray_through(scene, pixel, place);
-    let mut throughput = [1.0; crate::bands::BANDS];
-    let mut seen = Seen { emission: BLACK, direct: false, specular: false };
-    for event in 0..EVENTS_MAX {
-        tally.rays += 1;
-        let Some(s) = Surface::hit(scene, &ray) else { return seen };
-        if s.front && s.flags().is_emissive() && wanted(event) {
-            seen.emission = add(&seen.emission, &mul(&throughput, &s.material.emission));
-            seen.direct = event == 0;
+    let ray = ray_through(scene, pixel, place);
+    let mut waiting =
+        [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0 }; WAITING_MAX as usize];
+    let mut count = 1;
+    let mut seen = Seen { emission: BLACK, direct: false, branched: false };
+    let mut node = 0;
+    while count > 0 {
+        count -= 1;
+        let Way { mut ray, mut throughput, mut splits, mut events } = waiting[count];
+        loop {
+            tally.rays += 1;
+            let Some(s) = Surface::hit(scene, &ray) else { break };
+            if s.front && s.flags().is_emissive() {
+                let emission = mul(&throughput, &s.material.emission);
+                seen.emission = add(&seen.emission, &scale(&emission, weight(events, &splits)));
+                seen.direct = events == 0;
+            }
+            if !s.flags().has_delta() {
+                break;
+            }
+            seen.direct = false;
+            let [u_way, u0, u1, u_survive] = random4(seed, number, pixel, DIMENSION_GLINT + node);
+            node += 1;
+            let carried = max(&throughput);
+            let branch = if s.flags().is_dielectric() {
+                let ways = branches(&s, &throughput);
+                let lesser = usize::from(ways[1].kept < ways[0].kept);
+                if splits.takes_both(&ways, carried) {
+                    seen.branched = true;
+                    // the lesser first: so many are never waiting
+                    let greater = &ways[1 - lesser];
+                    waiting[count] = Way {
+                        ray: s.leave(greater.direction),
+                        throughput: greater.throughput,
+                        splits: splits.after(&ways, 1 - lesser, carried),
+                        events: events + 1,
+                    };
+                    count += 1;
+                    splits = splits.after(&ways, lesser, carried);
+                    Some(ways[lesser])
+                } else {
+                    splits = splits.after(&ways, lesser, carried);
+                    pick(&ways, u_way).map(|(_, branch)| branch)
+                }
+            } else {
+                let d = max(&mul(&throughput, &reflectance_d(s.material)));
+                throughput = mul(&throughput, &s.material.specular);
+                let kept = max(&throughput);
+                splits = splits.mirrored(kept / carried, kept / (kept + d));
+                sample_mirror(&s, [u0, u1]).map(|direction| Branch { direction, throughput, kept })
+            };
+            let Some(branch) = branch.filter(|b| !is_black(&b.throughput)) else { break };
+            let survival = survival(events, branch.kept / carried);
+            if u_survive >= survival {
+                break;
+            }
+            events += 1;
+            if events == EVENTS_MAX {
+                tally.truncated += 1;
+                break;
+            }
+            throughput = scale(&branch.throughput, 1.0 / survival);
+            ray = s.leave(branch.direction);
         }
-        if !s.flags().has_delta() {
-            return seen;
-        }
-        (seen.direct, seen.specular) = (false, true);
-        let [u_way, u0, u1, u_survive] = random4(seed, number, pixel, DIMENSION_GLINT + event);
-        let carried = max(&throughput);
-        let (on, kept) = if s.flags().is_dielectric() {
-            let split = if event < EVEN_EVENTS { Split::Even } else { Split::ByFlux };
-            cross(&s, &mut throughput, choices.get(event as usize).copied().unwrap_or(u_way), split)
-        } else {
-            throughput = mul(&throughput, &s.material.specular);
-            (sample_mirror(&s, [u0, u1]), max(&throughput))
-        };
-        let Some(direction) = on.filter(|_| !is_black(&throughput)) else { return seen };
-        let survival = survival(event, kept / carried);
-        if u_survive >= survival {
-            return seen;
-        }
-        throughput = scale(&throughput, 1.0 / survival);
-        ray = s.leave(direction);
     }
-    tally.truncated += 1;
     seen
 }
 
-/// The emission of a marked pixel: one pass's estimate.
-pub(super) fn emission(scene: &PackedScene, plan: &Plan, pixel: u32, pass: u32, tally: &mut Tally) -> Bands {
-    let first = pass.wrapping_mul(CHAINS);
-    let wanted = |chain| wants_emission(plan, chain);
-    let sum = (0..CHAINS).fold(BLACK, |sum, i| {
-        let seen = chain(scene, plan.settings.seed, pixel, first.wrapping_add(i), wanted, tally);
+/// Emission of a pixel in one pass, beside what its eye path has seen of it.
+pub(super) fn emission(
+    scene: &PackedScene,
+    plan: &Plan,
+    glints: &Glints,
+    pixel: u32,
+    pass: u32,
+    tally: &mut Tally,
+) -> Bands {
+    let seed = plan.settings.seed;
+    let trees = glints.trees_a_pass(pixel as usize);
+    let weight = |events, splits: &Splits| {
+        if wants_emission(plan, events) { splits.weight_of_tree(trees) } else { 0.0 }
+    };
+    glints.numbers(pixel, pass, seed).fold(BLACK, |sum, number| {
+        let seen = tree(scene, seed, [pixel, number], weight, tally);
         add(&sum, &seen.emission)
-    });
-    scale(&sum, 1.0 / CHAINS as f32)
+    })
 }
 
-/// The pixels that are left to [`emission`]: those that see light in some of their chains, or see something else than
-/// a neighbour does. Pixels inside a lamp, and far from any, are not. The pilot's chains are the last of their
-/// sequences: no pass uses them, so the choice costs no bias. It knows no --paths: the parts of an image add up.
-pub(super) fn mark(scene: &PackedScene, seed: u32, pilot: u32) -> Vec<bool> {
-    let look = |pixel: u32, chains: u32| {
-        let (mut lit, mut direct, mut specular) = (0, 0, false);
-        for i in 0..chains {
-            let number = pilot.wrapping_mul(PILOT_CHAINS).wrapping_add(i);
-            let seen = chain(scene, seed, pixel, number, |_| true, &mut Tally::default());
+/// What the pilot's trees see. They are the last of their sequences: no pass uses them, so a choice by them costs no bias.
+/// It knows no --paths: the parts of an image add up.
+pub(super) fn look(scene: &PackedScene, seed: u32, pilot: u32) -> Vec<Look> {
+    let look = |pixel: u32, trees: u32| {
+        let (mut lit, mut direct, mut branched) = (0, 0, false);
+        let (mut sum, mut square) = (BLACK, 0.0);
+        for i in 0..trees {
+            let number = pilot.wrapping_mul(PILOT_TREES).wrapping_add(i);
+            let seen = tree(scene, seed, [pixel, number], |_, _| 1.0, &mut Tally::default());
             lit += u32::from(!is_black(&seen.emission));
             direct += u32::from(seen.direct);
-            specular |= seen.specular;
+            branched |= seen.branched;
+            sum = add(&sum, &seen.emission);
+            square += seen.emission.iter().map(|x| x * x).sum::<f32>();
         }
-        match (lit, direct) {
-            // too few chains to say that glass shows no light
-            (0, _) if specular && chains < PILOT_CHAINS => Light::InPart,
+        let light = match (lit, direct) {
             (0, _) => Light::Nowhere,
-            _ if direct == chains => Light::Everywhere,
+            _ if direct == trees => Light::Everywhere,
             _ => Light::InPart,
-        }
+        };
+        let each = 1.0 / trees as f32;
+        let squared_mean = sum.iter().map(|x| (x * each).powi(2)).sum();
+        Look { light, branched, square: square * each, squared_mean }
     };
     let pixels = || (0..scene.pixels() as u32).into_par_iter();
-    let first: Vec<Light> = pixels().map(|pixel| look(pixel, PILOT_FIRST)).collect();
-    let open = mixed(&first, scene.size);
-    let found: Vec<Light> =
-        pixels().map(|i| if open[i as usize] { look(i, PILOT_CHAINS) } else { first[i as usize] }).collect();
-    mixed(&found, scene.size)
-}
-
-/// Where light is seen in part, or a neighbour sees it otherwise.
-fn mixed(found: &[Light], size: [u32; 2]) -> Vec<bool> {
-    let is_mixed = |(pixel, here): (usize, &Light)| {
-        around(pixel as u32, size).any(|i| found[i] == Light::InPart || found[i] != *here)
-    };
-    found.iter().enumerate().map(is_mixed).collect()
+    let first: Vec<Look> = pixels().map(|pixel| look(pixel, PILOT_FIRST)).collect();
+    // two are too few to say that glass shows no light
+    let open = |pixel: u32| first[pixel as usize].branched || is_mixed(&first, pixel as usize, scene.size);
+    pixels().map(|i| if open(i) { look(i, PILOT_TREES) } else { first[i as usize] }).collect()
 }

@@ -14,9 +14,9 @@ mod glint;
 pub mod harness;
 mod kd_tree;
 mod maps;
-mod neighbours;
 mod path_tracer;
 mod pixels;
+mod splits;
 mod streams;
 mod trace;
 
@@ -26,6 +26,7 @@ use crate::backend::{Backend, Batch, Tally};
 use crate::bands::{BLACK, Bands};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
+use crate::glints::Glints;
 use crate::layout::PILOT_PASS;
 use crate::pack::{PackedScene, scatter_area_points};
 use crate::plan::{Part, Plan, area_group, shrink};
@@ -49,8 +50,8 @@ pub struct CpuBackend {
     plan: Plan,
     /// Squared caustic radius of each pixel in the first pass; empty until it is needed.
     caustic_base: Vec<f32>,
-    /// Whether each pixel's emission is left to glint chains; empty until it is needed.
-    glints: Vec<bool>,
+    /// In which pixels trees look for emission; none until it is needed, or where no emission is traced.
+    glints: Option<Glints>,
     /// Walls about each pixel's gather point; empty until they are needed.
     clips: Vec<Clip>,
     area: Option<Area>,
@@ -87,8 +88,8 @@ struct Pass<'a> {
     diffuse: JotonMap,
     area: Option<&'a AreaMap>,
     caustic_base: &'a [f32],
-    /// Whether each pixel's emission is left to glint chains; empty where no emission is traced.
-    glints: &'a [bool],
+    /// In which pixels trees look for emission; none where no emission is traced.
+    glints: Option<&'a Glints>,
     /// Factor on the squared caustic radius.
     caustic_shrink: f32,
     /// Radius of the diffuse map.
@@ -109,7 +110,7 @@ impl CpuBackend {
             scene,
             plan,
             caustic_base: Vec::new(),
-            glints: Vec::new(),
+            glints: None,
             clips: Vec::new(),
             area: None,
             survey: None,
@@ -194,7 +195,7 @@ impl CpuBackend {
             diffuse,
             area: self.area.as_ref().map(|a| &a.map),
             caustic_base: &self.caustic_base,
-            glints: &self.glints,
+            glints: self.glints.as_ref(),
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
             diffuse_radius,
             clips: &self.clips,
@@ -223,10 +224,20 @@ impl Backend for CpuBackend {
         !self.plan.settings.keeps(Part::Rest)
     }
 
+    fn glints(&self) -> Option<&Glints> {
+        self.glints.as_ref()
+    }
+
+    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+        self.glints = Some(glints);
+        Ok(())
+    }
+
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tally = Tally::default();
-        if self.plan.traces(Layer::Emission) && self.glints.is_empty() {
-            self.glints = glint::mark(&self.scene, self.plan.settings.seed, PILOT_PASS);
+        if self.plan.traces(Layer::Emission) && self.glints.is_none() {
+            let looks = glint::look(&self.scene, self.plan.settings.seed, PILOT_PASS);
+            self.glints = Some(Glints::mark(self.scene.size, &looks));
         }
         self.look_around();
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);

@@ -4,12 +4,12 @@ use super::boundary::{Interior, Weights, weights};
 use super::clip::{self, Clip, Walls};
 use super::gather::{Window, count, radiance};
 use super::maps::{AreaMap, JotonMap};
-use super::neighbours::around;
 use super::{Pass, direct, eye, glint};
 use crate::backend::{Cause, Tally};
 use crate::bands::{Bands, add};
 use crate::film::{LAYERS, Layer};
 use crate::layout::CLIP_KEPT_MIN;
+use crate::neighbours::around;
 use crate::pack::PackedScene;
 use crate::paths::{Event, LightPaths};
 use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
@@ -75,13 +75,11 @@ fn is_finite(x: f32) -> bool {
 fn one(pass: &Pass, pixel: u32, index: u32, tally: &mut Tally) -> [Bands; LAYERS] {
     let (scene, plan) = (pass.scene, pass.plan);
     let mut out = [[0.0; crate::bands::BANDS]; LAYERS];
-    let path = eye::follow(scene, plan, pixel, index, tally);
+    let trees = pass.glints.map_or(0.0, |g| g.trees_a_pass(pixel as usize));
+    let path = eye::follow(scene, plan, pixel, index, trees, tally);
     if plan.traces(Layer::Emission) {
-        out[Layer::Emission as usize] = if pass.glints[pixel as usize] {
-            glint::emission(scene, plan, pixel, index, tally)
-        } else {
-            path.emission
-        };
+        let seen = pass.glints.map(|g| glint::emission(scene, plan, g, pixel, index, tally));
+        out[Layer::Emission as usize] = seen.map_or(path.emission, |seen| add(&path.emission, &seen));
     }
     let Some(g) = path.gather_point else { return out };
     let paths = &plan.settings.paths;
@@ -125,7 +123,7 @@ pub(super) fn interiors(
         .into_par_iter()
         .map(|i| {
             let surveyed = tiles(scene.size, i).flat_map(|(_, pixels)| pixels).filter_map(|pixel| {
-                let g = eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point?;
+                let g = eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point?;
                 Some((pixel, Interior::survey(area, &g, radius)))
             });
             surveyed.collect()
@@ -142,7 +140,7 @@ pub(super) fn gather_points<'a>(
     plan: &Plan,
     pass: u32,
 ) -> Vec<Option<eye::GatherPoint<'a>>> {
-    let follow = |pixel| eye::follow(scene, plan, pixel, pass, &mut Tally::default()).gather_point;
+    let follow = |pixel| eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point;
     (0..scene.pixels() as u32).into_par_iter().map(follow).collect()
 }
 

@@ -3,6 +3,7 @@
 mod area;
 mod context;
 mod films;
+mod glints;
 #[doc(hidden)]
 pub mod harness;
 mod kernel;
@@ -25,6 +26,7 @@ use crate::backend::{Backend, Batch, Tally};
 use crate::bands::BANDS;
 use crate::error::{Error, Result};
 use crate::film::{Layer, host_bytes};
+use crate::glints::Glints;
 use crate::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
 use crate::memory;
 use crate::pack::PackedScene;
@@ -33,6 +35,7 @@ use crate::plan::shape::{Kind, Shape, Shapes, Strip, Strips, roomy};
 use crate::plan::{Part, Plan};
 use crate::rest::Rest;
 use area::AreaState;
+use glints::GlintLists;
 use pipelines::{Kernels, Steps};
 use precompile::Precompiler;
 use recorder::{Recorder, Timer};
@@ -61,6 +64,7 @@ pub struct GpuBackend {
     kept: Vec<Kept>,
     area: Option<AreaState>,
     tiles: Tiles,
+    glints: GlintLists,
     ring: Ring,
     timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
@@ -108,6 +112,7 @@ impl GpuBackend {
             kept: Vec::new(),
             area: None,
             tiles,
+            glints: GlintLists::none(),
             ring,
             timer: None,
             staging: None,
@@ -182,9 +187,9 @@ impl GpuBackend {
             rows: strip.rows,
             held_first: strip.held_first,
             held_rows: strip.held_rows,
-            pad0: 0,
-            pad1: 0,
-            pad2: 0,
+            glint_first: 0,
+            glint_count: 0,
+            glint_turns: self.glints.turns(),
         }
     }
 
@@ -233,14 +238,14 @@ impl GpuBackend {
         let Some(steps) = &self.steps else { return Ok(()) };
         let live = self.tiles.live(pass);
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
-        let pass_info = recorder.ring.push(&pass_info);
-        steps.record_camera(&mut recorder, pass_info, live);
+        let at = recorder.ring.push(&pass_info);
+        steps.record_camera(&mut recorder, at, live, self.glints.growths(0, &pass_info));
         for (map, gather) in &steps.maps {
             let info = infos[map.kind as usize];
             recorder.clear(&self.buffers["lanes"]);
-            map.record(&mut recorder, pass_info, &info);
+            map.record(&mut recorder, at, &info);
             let map_info = recorder.ring.push(&info);
-            let at = [("pass_info", pass_info), ("map_info", map_info)];
+            let at = [("pass_info", at), ("map_info", map_info)];
             steps.record_gather(&mut recorder, map.kind, gather, &at, live);
         }
         recorder.submit(&self.context, &self.buffers["ring"]);
@@ -335,6 +340,14 @@ impl Backend for GpuBackend {
         self.tiles = tiles;
         self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
         self.strips.count() == 1 && !self.plan.settings.keeps(Part::Rest)
+    }
+
+    fn glints(&self) -> Option<&Glints> {
+        self.glints.whose()
+    }
+
+    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+        self.upload_glints(glints)
     }
 
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {

@@ -1,9 +1,11 @@
 //! The pilot: what is found out on the device before the first pass, with random numbers of no pass that is rendered.
 
-use super::pipelines::Steps;
+use super::glints;
+use super::pipelines::{Glint, Steps};
 use super::recorder::Recorder;
 use super::{DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
+use crate::glints::{Glints, Look};
 use crate::layout::{EDGE_OTHERS, MapInfo, PILOT_PASS, PassInfo, status};
 use crate::plan::buffers::fit;
 use crate::plan::shape::{Kind, Strip, dispatches_kept, roomy};
@@ -25,14 +27,18 @@ impl GpuBackend {
         if self.shapes.diffuse.is_some() {
             self.renew_area_points(0)?;
         }
+        let mut looks = Vec::new();
         for strip in self.strips.each() {
             let all = strip.with_overlap();
-            self.mark_glints(all)?;
+            looks.extend(self.look_for_glints(strip)?);
             self.choose_caustic_radii(all)?;
             self.find_edges(all)?;
             if self.strips.count() > 1 {
                 self.keep_strip()?;
             }
+        }
+        if !looks.is_empty() {
+            self.upload_glints(Glints::mark(self.scene.size, &looks))?;
         }
         self.warm_up()
     }
@@ -125,17 +131,21 @@ impl GpuBackend {
         self.context.wait()
     }
 
-    /// Mark the pixels that see emission in a part only, or through specular surfaces.
-    fn mark_glints(&mut self, strip: Strip) -> Result<()> {
+    /// What trees see of emission through the pixels of a strip; nothing where no emission is traced.
+    fn look_for_glints(&mut self, strip: Strip) -> Result<Vec<Look>> {
         let pass = self.pass_info(PILOT_PASS, strip);
-        let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
-        let Some(Steps { glint: Some([_, pilot, mark]), .. }) = &self.steps else { return Ok(()) };
+        let tiles = self.tiles_of(strip);
+        let Some(Steps { glint: Some(Glint { pilot, .. }), .. }) = &self.steps else { return Ok(Vec::new()) };
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass))];
         recorder.dispatch_tiles(pilot, &at, tiles);
-        recorder.dispatch(mark, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);
-        self.context.wait()
+        let read = self.context.read(&mut self.staging, &[&self.buffers["radii"]])?;
+        let pixels: &[[f32; 4]] = bytemuck::cast_slice(&read[0]);
+        let width = self.scene.size[0] as usize;
+        let above = (strip.first - strip.held_first) as usize * width;
+        let own = &pixels[above..above + strip.rows as usize * width];
+        Ok(own.iter().map(glints::look).collect())
     }
 
     /// Run every kernel of a pass on nothing: drivers compile at the first dispatch, and that is set-up.
@@ -145,7 +155,10 @@ impl GpuBackend {
         let nothing: PassInfo = bytemuck::Zeroable::zeroed();
         let no_map: MapInfo = bytemuck::Zeroable::zeroed();
         let at = [("pass_info", recorder.ring.push(&nothing)), ("map_info", recorder.ring.push(&no_map))];
-        let kernels = [&steps.eye].into_iter().chain(&steps.direct).chain(steps.glint.iter().flatten());
+        let kernels = [&steps.eye]
+            .into_iter()
+            .chain(&steps.direct)
+            .chain(steps.glint.iter().flat_map(|g| [&g.trees, &g.sum]));
         let maps = steps.maps.iter().map(|(_, gather)| gather).chain(&steps.boundary);
         for step in kernels.chain(maps) {
             recorder.dispatch(step, &at, 1);

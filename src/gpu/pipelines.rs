@@ -7,7 +7,7 @@ use super::recorder::Recorder;
 use super::scene_buffers;
 use crate::error::Result;
 use crate::film::Layer;
-use crate::layout::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
+use crate::layout::{PassInfo, STEP_BUDGET, STEP_BUDGET_HARDWARE};
 use crate::pack::PackedScene;
 use crate::plan::buffers::{is_split, triangles_part};
 use crate::plan::shape::{Kind, Shapes};
@@ -16,7 +16,7 @@ use crate::plan::{CAUSTIC_FOOTPRINTS, Part, Plan};
 /// The compiled kernels.
 pub(super) struct Kernels {
     eye: Kernel,
-    glint: Option<[Kernel; 2]>,
+    glint: Option<[Kernel; 3]>,
     direct: Option<Kernel>,
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
@@ -73,7 +73,7 @@ impl Kernels {
         Ok(Self {
             eye: compile("eye.wgsl")?,
             glint: if plan.traces(Layer::Emission) {
-                Some([compile("glint.wgsl")?, compile("glint_mark.wgsl")?])
+                Some([compile("glint.wgsl")?, compile("glint_sum.wgsl")?, compile("glint_mark.wgsl")?])
             } else {
                 None
             },
@@ -121,11 +121,19 @@ const SORTED: [(&str, &str); 2] = [("sorted_jotons", "sorted_jotons"), ("bucket_
 const SORTED_APART: [(&str, &str); 2] =
     [("sorted_jotons", "sorted_jotons_caustic"), ("bucket_starts", "bucket_starts_caustic")];
 
+/// The trees that look for emission.
+pub(super) struct Glint {
+    pub(super) trees: Step,
+    pub(super) pilot: Step,
+    /// Adds what a pixel's trees saw.
+    pub(super) sum: Step,
+    pub(super) mark: Step,
+}
+
 /// The kernels with their buffers.
 pub(super) struct Steps {
     pub(super) eye: Step,
-    /// Of a pass, of the pilot, and the marking of pixels.
-    pub(super) glint: Option<[Step; 3]>,
+    pub(super) glint: Option<Glint>,
     pub(super) direct: Option<Step>,
     pub(super) boundary: Option<Step>,
     pub(super) clip: Option<Step>,
@@ -174,11 +182,12 @@ impl Steps {
         Ok(Self {
             eye: kernels.eye.bind(context, buffers, &[])?,
             glint: match &kernels.glint {
-                Some([glint, mark]) => Some([
-                    glint.bind(context, buffers, &[("film", "film_emission")])?,
-                    glint.bind(context, buffers, &[("film", "radii")])?,
-                    mark.bind(context, buffers, &[("glints", "radii")])?,
-                ]),
+                Some([glint, sum, mark]) => Some(Glint {
+                    trees: glint.bind(context, buffers, &[("seen", "fits")])?,
+                    pilot: glint.bind(context, buffers, &[("seen", "radii")])?,
+                    sum: sum.bind(context, buffers, &[("seen", "fits")])?,
+                    mark: mark.bind(context, buffers, &[])?,
+                }),
                 None => None,
             },
             direct: optional(&kernels.direct, &[("emitters", "emitters_direct")])?,
@@ -190,11 +199,21 @@ impl Steps {
     }
 
     /// Record what starts at the camera: gather points, emission, direct light.
-    pub(super) fn record_camera(&self, recorder: &mut Recorder<'_>, pass_info: u32, tiles: u32) {
+    pub(super) fn record_camera(
+        &self,
+        recorder: &mut Recorder<'_>,
+        pass_info: u32,
+        tiles: u32,
+        glints: impl Iterator<Item = PassInfo>,
+    ) {
         let at = [("pass_info", pass_info)];
         recorder.dispatch_tiles(&self.eye, &at, tiles);
-        if let Some([glint, ..]) = &self.glint {
-            recorder.dispatch_tiles(glint, &at, tiles);
+        if let Some(Glint { trees, sum, .. }) = &self.glint {
+            for info in glints {
+                let at = [("pass_info", recorder.ring.push(&info))];
+                recorder.dispatch(trees, &at, info.glint_count);
+                recorder.dispatch(sum, &at, info.glint_count);
+            }
         }
         if let Some(direct) = &self.direct {
             recorder.dispatch_tiles(direct, &at, tiles);

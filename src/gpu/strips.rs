@@ -61,7 +61,8 @@ impl GpuBackend {
                 FILMS.iter().for_each(|film| recorder.clear(&self.buffers[film]));
             }
             let pass_info = recorder.ring.push(&info);
-            steps.record_camera(&mut recorder, pass_info, tiles);
+            self.glints.record_marks(&mut recorder, steps, i, &info);
+            steps.record_camera(&mut recorder, pass_info, tiles, self.glints.growths(i, &info));
             for (map, gather) in &steps.maps {
                 let map_info = recorder.ring.push(&infos[map.kind as usize]);
                 let at = [("pass_info", pass_info), ("map_info", map_info)];

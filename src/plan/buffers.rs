@@ -6,6 +6,7 @@ use super::shape::{DIGIT_BITS, Kind, Machine, Shape, Shapes, Strips};
 use super::traffic::Traffic;
 use crate::error::{Error, Result};
 use crate::film::LAYERS;
+use crate::glints::{Glints, TREES_MAX};
 use crate::layout::{
     AreaPoint, Clip, Fit, GatherPoint, Joton, Lane, LaneTally, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS,
     SMALL_NODE_WORDS, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
@@ -264,6 +265,7 @@ pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &Machine) -> Vec
         Buffer::new("warps_diffuse", warps, "learned directions of emission, diffuse map"),
         Buffer::new("marks", MARK_WORDS as u64 * WORD, "cells where the camera looks"),
         Buffer::new("tiles", tiles_bytes(scene.size), "tiles, those that rest last"),
+        Buffer::new("glints", Glints::most(scene.pixels() as u64) * WORD, "trees that look for emission"),
         Buffer::new("ring", RING_BYTES, "uniforms of a submission"),
     ]);
     all
@@ -350,7 +352,11 @@ fn sorted_buffers(stored: u64, buckets: u64) -> [Buffer; 2] {
 fn pixel_buffers(pixels: u64) -> Vec<Buffer> {
     let mut all = vec![
         Buffer::new("gather_points", pixels * size_of::<GatherPoint>() as u64, "where camera paths end"),
-        Buffer::new("fits", pixels * size_of::<Fit>() as u64, "weights of the discs at boundaries"),
+        Buffer::new(
+            "fits",
+            pixels.max(TREES_MAX.into()) * size_of::<Fit>() as u64,
+            "what trees see, weights of discs",
+        ),
         Buffer::new("radii", pixels * size_of::<Fit>() as u64, "radius of the caustic map"),
         Buffer::new("counts", pixels * WORD, "jotons that the pilot found"),
         Buffer::new("edges", pixels * WORD, "whether a disc is whole"),

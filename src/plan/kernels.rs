@@ -67,8 +67,8 @@ const TESTED_SHARE: f64 = 1.8;
 const TESTED_SHARE_CAUSTIC: f64 = 6.0;
 /// Part of the discs that edges cut or that have to be looked at for it.
 const CUT_SHARE: f64 = 0.6;
-/// Chains of the glint kernel for each of its pixels.
-const GLINT_CHAINS: f64 = 4.0;
+/// Rays of a pixel's trees for each of its eye path, where there are trees.
+const GLINT_RAYS: f64 = 4.0;
 /// Part of the pixels on the edges of lamps.
 const GLINT_EDGES: f64 = 0.03;
 /// Pixels that the pilot marks for each whose one path sees a light so: it looks eight times, and at neighbours.
@@ -128,9 +128,11 @@ impl Needs<'_> {
         list.add("eye", None, &pixels, eye);
         if self.plan.traces(Layer::Emission) {
             let share = (GLINT_EDGES + GLINT_NEAR * camera.glints).min(1.0);
-            let rays = share * GLINT_CHAINS * camera.rays;
+            let rays = share * GLINT_RAYS * camera.rays;
             let glint = Work { rays, bytes: point, rest: INVOCATION + rays * EYE, ..Work::default() };
             list.add("glint", None, &pixels, glint);
+            let sum = Work { bytes: share * FILM, rest: share * INVOCATION, ..Work::default() };
+            list.add("glint_sum", None, &pixels, sum);
         }
         if self.plan.traces(Layer::Direct) {
             let rays = camera.stored * f64::from(self.plan.settings.shadow_rays);

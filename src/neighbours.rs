@@ -1,7 +1,7 @@
 //! Neighbours: a pixel and those around it.
 
 /// Indices of a pixel and of its up to eight neighbours, row by row.
-pub(super) fn around(pixel: u32, [width, height]: [u32; 2]) -> impl Iterator<Item = usize> {
+pub(crate) fn around(pixel: u32, [width, height]: [u32; 2]) -> impl Iterator<Item = usize> {
     let near = |i: u32, end: u32| i.saturating_sub(1)..(i + 2).min(end);
     let columns = near(pixel % width, width);
     near(pixel / width, height).flat_map(move |y| columns.clone().map(move |x| (y * width + x) as usize))
