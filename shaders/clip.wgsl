@@ -34,8 +34,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let origin = point.position + normal * (CLIP_LIFT * r);
         var walls = no_walls(r);
         for (var i = 0u; i < CLIP_RAYS; i += 1u) {
-            let angle = TAU * f32(i) / f32(CLIP_RAYS);
-            let direction = frame[0] * cos(angle) + frame[1] * sin(angle);
+            let around = unit_circle(f32(i) / f32(CLIP_RAYS));
+            let direction = frame[0] * around.x + frame[1] * around.y;
             let hit = traverse(origin, direction, r * CLIP_REACH, false);
             if hit.triangle == MISS {
                 continue;

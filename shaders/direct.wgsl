@@ -12,6 +12,7 @@
 // import: shared/surface.wgsl
 // import: shared/bsdf.wgsl
 // import: shared/emitter.wgsl
+// import: shared/reservoir.wgsl
 // import: shared/paths.wgsl
 
 @group(1) @binding(0) var<uniform> path_filter: PathFilter;
@@ -129,8 +130,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         // one of the candidates gets the shadow ray, by what each would give if nothing shaded it, for all of them [E24]
         var picked = LightSample(vec3(0.0), 0.0, Bands(0.0), 0.0);
         var given = Bands(0.0);
-        var total = 0.0;
-        var choice = u.w;
+        var reservoir = Reservoir(0.0, u.w);
         var found = 0u;
         let first = (sample * pass_info.shadow_rays + ray) * pass_info.light_candidates;
         for (var k = 0u; k < pass_info.light_candidates; k += 1u) {
@@ -146,15 +146,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 let size = max_band(gives);
                 if size > 0.0 {
                     found += 1u;
-                    total += size;
-                    // one number serves all choices: what is left of it is uniform again
-                    let part = size / total;
-                    if choice < part {
+                    if takes(&reservoir, size) {
                         picked = light;
                         given = gives;
-                        choice /= part;
-                    } else {
-                        choice = (choice - part) / (1.0 - part);
                     }
                 }
             }
@@ -163,7 +157,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             rays += 1u;
             saved += found - 1u;
             if traverse(origin, picked.wi, picked.distance * SHADOW_END, true).triangle == MISS {
-                sum += given * (total / (candidates * max_band(given)));
+                sum += given * (reservoir.total / (candidates * max_band(given)));
             }
         }
         if shared_weight {

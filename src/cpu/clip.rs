@@ -7,10 +7,10 @@ use super::gather::Window;
 use super::maps::AreaMap;
 use crate::layout::{CLIP_GRAZING, CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
 use crate::neighbours::around;
-use crate::optics::sampling::basis;
+use crate::optics::sampling::{basis, unit_circle};
 use crate::pack::PackedScene;
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 /// A wall: points with `normal · p` ≥ `offset` lie before it; all of them where the normal is zero.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -124,8 +124,8 @@ pub(super) fn find(scene: &PackedScene, area: Option<&AreaMap>, g: &GatherPoint,
     let (x, y) = basis(g.ng);
     let origin = g.position + g.ng * (CLIP_LIFT * radius);
     for i in 0..CLIP_RAYS {
-        let angle = TAU * i as f32 / CLIP_RAYS as f32;
-        let direction = x * angle.cos() + y * angle.sin();
+        let [cos, sin] = unit_circle(i as f32 / CLIP_RAYS as f32);
+        let direction = x * cos + y * sin;
         let Some(hit) = scene.bvh.closest(&scene.triangles, origin, direction, radius * CLIP_REACH) else {
             continue;
         };

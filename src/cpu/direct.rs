@@ -12,6 +12,7 @@ use crate::optics::bsdf::{eval_d, pdf_d, sample_d};
 use crate::optics::emit::kind;
 use crate::optics::light::{LightSample, pdf_light, sample_light};
 use crate::optics::ray::{Ray, Surface, lift, visible};
+use crate::optics::reservoir::Reservoir;
 use crate::pack::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};
@@ -75,7 +76,7 @@ fn by_light(
     let origin = lift(g.position, g.ng, g.triangle);
     let number = candidates.len() as f32;
     let mut picked: Option<(LightSample, Bands)> = None;
-    let (mut total, mut choice) = (0.0, choice);
+    let mut reservoir = Reservoir::new(choice);
     for u in candidates {
         let Some(l) = sample_light(lights, origin, u) else { continue };
         let given = unshadowed(g, &l, number, shared);
@@ -83,21 +84,19 @@ fn by_light(
         if size <= 0.0 {
             continue;
         }
-        total += size;
-        // one number serves all choices: what is left of it is uniform again
-        let part = size / total;
-        if choice < part {
+        if reservoir.takes(size) {
             picked = Some((l, given));
-            choice /= part;
-        } else {
-            choice = (choice - part) / (1.0 - part);
         }
         tally.shadow_rays_saved += 1;
     }
     let Some((l, given)) = picked else { return BLACK };
     tally.rays += 1;
     tally.shadow_rays_saved -= 1;
-    if visible(scene, origin, l.target) { scale(&given, total / (number * max(&given))) } else { BLACK }
+    if visible(scene, origin, l.target) {
+        scale(&given, reservoir.total / (number * max(&given)))
+    } else {
+        BLACK
+    }
 }
 
 /// What a light sample, one of `number` candidates, gives if nothing shades it, with its share of the weight.

@@ -40,6 +40,8 @@ impl GpuBackend {
         if !looks.is_empty() {
             self.upload_glints(Glints::mark(self.scene.size, &looks))?;
         }
+        // of glints and walls, too, nothing was missed
+        check_traversal(&self.status_words()?)?;
         self.warm_up()
     }
 
@@ -110,10 +112,15 @@ impl GpuBackend {
         recorder.clear(&self.buffers["status"]);
         map.record(&mut recorder, pass_info, &info);
         recorder.submit(&self.context, &self.buffers["ring"]);
-        let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
-        let words: Vec<u32> = bytemuck::pod_collect_to_vec(&words[0]);
+        let words = self.status_words()?;
         check_traversal(&words)?;
         Ok(words)
+    }
+
+    /// What the kernels have raised since it was cleared.
+    fn status_words(&mut self) -> Result<Vec<u32>> {
+        let words = self.context.read(&mut self.staging, &[&self.buffers["status"]])?;
+        Ok(bytemuck::pod_collect_to_vec(&words[0]))
     }
 
     /// Choose the caustic radius of each pixel; the pilot pass's map is there.

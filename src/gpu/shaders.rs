@@ -31,6 +31,7 @@ sources![
     "caustic_radius.wgsl",
     "shared/rng.wgsl",
     "shared/sampling.wgsl",
+    "shared/reservoir.wgsl",
     "shared/bsdf.wgsl",
     "shared/intersect.wgsl",
     "shared/surface.wgsl",

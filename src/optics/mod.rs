@@ -6,4 +6,5 @@ pub(crate) mod emit;
 pub(crate) mod light;
 pub(crate) mod odds;
 pub(crate) mod ray;
+pub mod reservoir;
 pub mod sampling;

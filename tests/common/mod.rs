@@ -1,6 +1,7 @@
 //! What the tests of the device side share: one open device, snippets of WGSL run over arrays, small scenes.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+pub mod renders;
 pub mod scenes;
 pub mod twins;
 pub mod world;

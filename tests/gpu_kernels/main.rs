@@ -7,6 +7,7 @@ mod boundary;
 mod caustic;
 mod direct;
 mod gather;
+mod glint;
 mod map;
 mod radix;
 mod scan;

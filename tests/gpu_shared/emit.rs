@@ -53,7 +53,7 @@ fn sums_of(jotons: &[[Row; 3]]) -> Sums {
     let mut sums = [0.0; 7];
     for [origin, direction, flux] in jotons {
         let d = dvec3(*direction);
-        assert!((d.length() - 1.0).abs() < 1e-5, "a direction of length {}", d.length());
+        assert!((d.length() - 1.0).abs() < 1e-6, "a direction of length {}", d.length());
         assert!(dvec3(*flux).min_element() >= 0.0);
         add(&mut sums, dvec3(*flux).x, d, dvec3(*origin));
     }

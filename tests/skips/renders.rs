@@ -1,58 +1,17 @@
 //! Rendering with and without skips.
 
-use joton::backend::Backend;
+pub use crate::common::renders::{Side, plan_keeping as plan, run};
 use joton::bands::BANDS;
-use joton::cpu::{CpuBackend, PathTracer};
 use joton::film::{Image, Layer, Picture};
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
-use joton::plan::{Part, Plan, Settings};
-use joton::render::{Rendered, Stop, render};
 use joton::stats::{Estimate, test_equal};
-use std::sync::Arc;
 
 /// Scenes of the repository.
 pub const SCENES: [&str; 7] = ["cornell", "furnace", "pedestal", "pool", "ring", "rooms", "spheres"];
-
-/// Who renders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// The photon mapper on threads.
-    Host,
-    /// The photon mapper on a device.
-    Device,
-    /// The path tracer.
-    PathTracer,
-}
 
 /// The photon mapper on threads and, where there is one, on a device.
 pub fn both() -> Vec<Side> {
     let device = crate::common::device().map(|_| Side::Device);
     [Side::Host].into_iter().chain(device).collect()
-}
-
-/// The plan of a packed scene with some parts kept.
-pub fn plan(scene: &PackedScene, paths: &str, seed: u32, keep: &[Part]) -> Plan {
-    let paths = LightPaths::parse(paths).unwrap_or_else(|e| panic!("{e}"));
-    Plan::new(scene, Settings { seed, paths, keep: keep.to_vec(), ..Settings::default() })
-}
-
-/// Render so many passes: all finite.
-pub fn run(side: Side, scene: &Arc<PackedScene>, plan: Plan, passes: u64) -> Rendered {
-    let shared = Arc::clone(scene);
-    let mut backend: Box<dyn Backend> = match side {
-        Side::Host => Box::new(CpuBackend::new(shared, plan)),
-        Side::PathTracer => Box::new(PathTracer::new(shared, plan)),
-        Side::Device => {
-            let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
-            Box::new(GpuBackend::new(context, shared, plan).unwrap_or_else(|e| panic!("{e}")))
-        }
-    };
-    let stop = Stop { passes: Some(passes), ..Stop::default() };
-    let rendered = render(backend.as_mut(), scene.size, stop, |_| true).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(rendered.tally.non_finite.total(), 0, "{side:?}: {:?}", rendered.tally.non_finite);
-    rendered
 }
 
 /// The bits of all layers.

@@ -23,5 +23,6 @@ mod random_numbers;
 mod random_scenes;
 mod recipe;
 mod renders;
+mod reservoir;
 mod rest;
 mod walls;

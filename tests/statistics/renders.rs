@@ -1,28 +1,14 @@
-//! Rendering a scene on each side, with as many seeds as a test asks for.
+//! Rendering with as many seeds as a test asks for.
 
-use joton::backend::Backend;
-use joton::cpu::{CpuBackend, PathTracer};
+use crate::common::renders::plan_keeping;
+pub use crate::common::renders::{Side, open, run};
 use joton::film::{Image, Layer, Picture};
-use joton::gpu::{Context, GpuBackend};
 use joton::pack::PackedScene;
-use joton::paths::LightPaths;
-use joton::plan::{Plan, Settings};
-use joton::render::{Rendered, Stop, render};
+use joton::plan::Plan;
 use joton::scene::Scene;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Who renders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// The photon mapper on threads.
-    Host,
-    /// The photon mapper on a device.
-    Device,
-    /// The path tracer.
-    PathTracer,
-}
 
 /// Every path from a light to the eye.
 pub const EVERYTHING: &str = "L.*E";
@@ -37,30 +23,7 @@ pub fn file(name: &str, size: u32) -> Scene {
 
 /// The plan of a packed scene.
 pub fn plan(scene: &PackedScene, paths: &str, seed: u32) -> Plan {
-    let paths = LightPaths::parse(paths).unwrap_or_else(|e| panic!("{e}"));
-    Plan::new(scene, Settings { seed, paths, ..Settings::default() })
-}
-
-/// A backend that renders a plan.
-pub fn open(side: Side, scene: &Arc<PackedScene>, plan: Plan) -> Box<dyn Backend> {
-    let scene = Arc::clone(scene);
-    match side {
-        Side::Host => Box::new(CpuBackend::new(scene, plan)),
-        Side::PathTracer => Box::new(PathTracer::new(scene, plan)),
-        Side::Device => {
-            let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
-            Box::new(GpuBackend::new(context, scene, plan).unwrap_or_else(|e| panic!("{e}")))
-        }
-    }
-}
-
-/// Render so many passes.
-pub fn run(side: Side, scene: &Arc<PackedScene>, plan: Plan, passes: u64) -> Rendered {
-    let stop = Stop { passes: Some(passes), ..Stop::default() };
-    let mut backend = open(side, scene, plan);
-    let rendered = render(backend.as_mut(), scene.size, stop, |_| true).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(rendered.tally.non_finite.total(), 0, "{side:?}: {:?}", rendered.tally.non_finite);
-    rendered
+    plan_keeping(scene, paths, seed, &[])
 }
 
 /// Independent renders of a plan that `adjust` may change.

@@ -8,7 +8,7 @@ use crate::shoot::{alike, few_jotons, images, seed, shots, shots_of};
 use glam::DVec3;
 use joton::film::Layer;
 use joton::plan::Plan;
-use joton::scene::{Material, Scene};
+use joton::scene::{Light, Material, Scene};
 use joton::stats::Estimate;
 
 /// The stresses of this file.
@@ -17,6 +17,7 @@ pub const STRESSES: &[Stress] = &[
     Stress { name: "indices 1.0001 and 4, nested and crossing bodies", run: furnaces },
     Stress { name: "normals: absent, NaN, turned over, across", run: wrong_normals },
     Stress { name: "shading normals and their adjoint", run: adjoint },
+    Stress { name: "each part of the adjoint", run: adjoint_parts },
     Stress { name: "caustic of a coarse smooth sphere", run: coarse_caustic },
 ];
 
@@ -136,15 +137,21 @@ fn wrong_normals(sheet: &mut Sheet) {
     }
 }
 
+/// A parallelogram with shading normals at its corners.
+fn tilted(b: &mut Build, corner: DVec3, [x, y]: [DVec3; 2], normals: [DVec3; 4], material: &Material) {
+    let p = [corner, corner + x, corner + x + y, corner + y];
+    b.smooth([p[0], p[1], p[2]], Some([normals[0], normals[1], normals[2]]), material);
+    b.smooth([p[0], p[2], p[3]], Some([normals[0], normals[2], normals[3]]), material);
+}
+
+/// The same, its normals tilted one way here and another there.
+fn both_ways(b: &mut Build, corner: DVec3, [x, y]: [DVec3; 2], by: DVec3, material: &Material) {
+    let n = x.cross(y).normalize();
+    tilted(b, corner, [x, y], [n + by, n - by * 0.5, n + by * 0.3, n + by.cross(n)], material);
+}
+
 /// A wall and a floor whose normals are tilted: jotons that bounce off them see what paths from the eye see.
 fn adjoint(sheet: &mut Sheet) {
-    let tilted = |b: &mut Build, corner: DVec3, x: DVec3, y: DVec3, by: DVec3, material: &Material| {
-        let n = x.cross(y).normalize();
-        let normals = [n + by, n - by * 0.5, n + by * 0.3, n + by.cross(n)];
-        let p = [corner, corner + x, corner + x + y, corner + y];
-        b.smooth([p[0], p[1], p[2]], Some([normals[0], normals[1], normals[2]]), material);
-        b.smooth([p[0], p[2], p[3]], Some([normals[0], normals[2], normals[3]]), material);
-    };
     let glossy = Material { glossy: [0.3; 3], glossy_exponent: 10.0, ..matte([0.4, 0.5, 0.3]) };
     // eye paths that a tilted mirror would send below its surface are turned back by its geometry, and no joton follows
     // them: less of a tilt
@@ -159,8 +166,8 @@ fn adjoint(sheet: &mut Sheet) {
         b.quad(v(1., -1., -1.), z, y, &wall);
         b.quad(v(-1., -1., -1.), z, x, &wall);
         b.quad(v(-1., -1., 1.), y, x, &wall);
-        tilted(&mut b, v(-1., -1., -1.), x, y, v(0.25, 0.15, 0.) * tilt, &surface);
-        tilted(&mut b, v(-1., 1., -1.), x, z, v(0.2, 0., 0.2) * tilt, &surface);
+        both_ways(&mut b, v(-1., -1., -1.), [x, y], v(0.25, 0.15, 0.) * tilt, &surface);
+        both_ways(&mut b, v(-1., 1., -1.), [x, z], v(0.2, 0., 0.2) * tilt, &surface);
         // large: a path tracer finds it behind a mirror, too
         b.ceiling(v(0., 0., 0.97), 0.7, &glowing([2.0; 3], [0.5; 3]));
         let reference = shots(Renderer::PathTracer, &b.0, seed(9), sized(24, 256));
@@ -172,6 +179,59 @@ fn adjoint(sheet: &mut Sheet) {
             };
             let seen = shots_of(who, &b.0, seed(1), sized(6, 64), &narrow);
             let [a, r] = [&seen, &reference].map(|p| images(p, &Layer::ALL, 1.0));
+            alike(sheet, &format!("{name}, against the path tracer"), format!("{who:?}"), &a, &r, BLOCK);
+        }
+    }
+}
+
+/// A floor whose normals are all tilted toward a wall, in light from one side: each part of the factor [E11] is far from one
+/// there, and nothing makes up for it. Jotons that meet the floor last, that it scatters, that it mirrors.
+fn adjoint_parts(sheet: &mut Sheet) {
+    /// Where the light goes and the eye looks.
+    #[derive(PartialEq)]
+    enum Way {
+        /// A spot, the wall, the floor, the eye.
+        Stored,
+        /// A spot, the floor, the wall, the eye.
+        Scattered,
+        /// A lamp, the floor, the wall, the eye.
+        Mirrored,
+    }
+    let glossy = Material { glossy: [0.3; 3], glossy_exponent: 10.0, ..matte([0.4, 0.5, 0.3]) };
+    for (name, way, surface, layer) in [
+        ("stored on a matte floor", Way::Stored, &matte([0.8, 0.6, 0.4]), Layer::Diffuse),
+        ("stored on a glossy floor", Way::Stored, &glossy, Layer::Diffuse),
+        ("scattered by a matte floor", Way::Scattered, &matte([0.8, 0.6, 0.4]), Layer::Diffuse),
+        ("scattered by a glossy floor", Way::Scattered, &glossy, Layer::Diffuse),
+        ("mirrored by a floor", Way::Mirrored, &mirror([0.9; 3]), Layer::Caustic),
+    ] {
+        let (eye, target, tan_half_fov) = match way {
+            Way::Stored => (v(-0.2, 0., 2.5), v(0.1, 0., 0.), 0.2),
+            _ => (v(-1.5, 0., 1.), v(1., 0., 0.8), 0.15),
+        };
+        let mut b = Build::new(eye, target, tan_half_fov, SIZE);
+        let [x, y, z] = [v(2., 0., 0.), v(0., 2., 0.), v(0., 0., 2.)];
+        let normals = [0.25, 0.3, 0.35, 0.3].map(|tilt| v(tilt, 0.1, 1.));
+        tilted(&mut b, v(-1., -1., 0.), [x, y], normals, surface);
+        b.quad(v(1., -1., 0.), z, y, &matte([0.6; 3]));
+        let mut spot = |position: DVec3, at: DVec3| {
+            b.light(Light::Spot {
+                position,
+                direction: (at - position).normalize(),
+                intensity: [3.0; 3],
+                cos_inner: 0.98,
+                cos_outer: 0.94,
+            });
+        };
+        match way {
+            Way::Stored => spot(v(-0.5, 0., 1.3), v(1., 0., 1.1)),
+            Way::Scattered => spot(v(-0.8, 0., 1.5), v(0., 0., 0.)),
+            Way::Mirrored => b.ceiling(v(-0.4, 0., 1.7), 0.5, &glowing([2.0; 3], [0.0; 3])),
+        }
+        let reference = shots(Renderer::PathTracer, &b.0, seed(9), sized(24, 256));
+        for who in mappers() {
+            let seen = shots(who, &b.0, seed(1), sized(6, 64));
+            let [a, r] = [&seen, &reference].map(|p| images(p, &[layer], 1.0));
             alike(sheet, &format!("{name}, against the path tracer"), format!("{who:?}"), &a, &r, BLOCK);
         }
     }

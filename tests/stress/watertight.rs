@@ -1,6 +1,6 @@
 //! Closed surfaces from inside: rays that aim at edges, at corners and anywhere. Every ray must hit.
 
-use crate::build::{Build, icosphere, matte, v};
+use crate::build::{Build, glowing, icosphere, matte, v};
 use crate::common::world::{Ray, World, trace};
 use crate::common::{device, random, random_direction};
 use crate::harness::{Renderer, everyone, mappers};
@@ -12,7 +12,8 @@ use joton::cpu::CpuBackend;
 use joton::film::Layer;
 use joton::gpu::GpuBackend;
 use joton::pack::PackedScene;
-use joton::plan::Plan;
+use joton::paths::LightPaths;
+use joton::plan::{Plan, Settings};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -23,6 +24,7 @@ pub const STRESSES: &[Stress] = &[
     Stress { name: "slivers 1e6:1", run: slivers },
     Stress { name: "triangles below the resolution of f32", run: below_resolution },
     Stress { name: "thousands of triangles in one place", run: one_place },
+    Stress { name: "pilots whose rays are cut", run: cut_pilot },
 ];
 
 /// Coordinates of scenes in internal units are of this size.
@@ -160,17 +162,24 @@ fn below_resolution(sheet: &mut Sheet) {
     }
 }
 
+/// Copies of a square, two triangles each: more than the 65,535 iterations that some drivers give a loop.
+const MANY: usize = 33_000;
+
+/// Squares in one plane and nearly one place.
+fn pile(copies: usize, apart: f64) -> Build {
+    let mut b = Build::new(v(0., -0.5, 2.), v(0., 0., 0.), 0.2, 8);
+    for i in 0..copies {
+        let [x, y, ..] = random(4, i).map(|x| f64::from(x) * apart);
+        b.floor(v(x, y, 0.), 1.0, &matte([0.5; 3]));
+    }
+    b
+}
+
 /// Thousands of triangles in one plane and place: a ray must meet them all. Right, or told.
 fn one_place(sheet: &mut Sheet) {
     const JOTONS: u32 = 64;
-    // two triangles each: more than the 65,535 iterations that some drivers give a loop
-    const MANY: usize = 33_000;
     for (copies, apart) in [(10_000, 0.0), (50, 1e-3), (1_000, 1e-3), (MANY, 1e-3)] {
-        let mut b = Build::new(v(0., -0.5, 2.), v(0., 0., 0.), 0.2, 8);
-        for i in 0..copies {
-            let [x, y, ..] = random(4, i).map(|x| f64::from(x) * apart);
-            b.floor(v(x, y, 0.), 1.0, &matte([0.5; 3]));
-        }
+        let mut b = pile(copies, apart);
         b.sun(v(0., 0., -1.), [1.0; 3]);
         let scene = Arc::new(PackedScene::new(&b.0));
         // the host has no such limit, and is slow here
@@ -203,4 +212,25 @@ fn one_place(sheet: &mut Sheet) {
             );
         }
     }
+}
+
+/// A pilot whose rays a driver cuts marks glints by what they have missed: that is told before the first pass. No map here,
+/// whose pilot would tell; a device that follows its rays renders.
+fn cut_pilot(sheet: &mut Sheet) {
+    let Some(_) = device() else { return };
+    let mut b = pile(MANY, 1e-3);
+    b.ceiling(v(0., 0., 3.), 0.2, &glowing([1.0; 3], [0.0; 3]));
+    let scene = Arc::new(PackedScene::new(&b.0));
+    let paths = LightPaths::parse("LE").unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::new(&scene, Settings { paths, ..seed(1) });
+    let opened = joton::gpu::Context::open(None).and_then(|c| GpuBackend::new(c, Arc::clone(&scene), plan));
+    let (found, holds) = match opened {
+        Err(e) => (format!("told: {e}"), matches!(e, joton::Error::Device { .. })),
+        Ok(mut backend) => match backend.render(0, 1) {
+            Ok(_) => ("rendered".to_string(), true),
+            Err(e) => (format!("told in the first pass: {e}"), false),
+        },
+    };
+    let tried = format!("{} triangles, emission only", 2 * MANY);
+    sheet.row(tried, "device", found, "rendered, or told by the pilot", holds);
 }

@@ -1,0 +1,105 @@
+//! A folder with scenes, runs of the program there, and what they leave behind.
+
+use joton::film::Image;
+use joton::output::exr as exr_file;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+/// A folder with the Cornell box in it, and the program to run there.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        for file in ["cornell.toml", "cornell.obj", "cornell.mtl", "ring.toml", "ring.obj", "ring.mtl"] {
+            fs::copy(scenes.join(file), folder.path().join(file)).expect("a copy of the scene");
+        }
+        Self(folder)
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn command(&self, words: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_joton"));
+        command.args(words.split_whitespace()).current_dir(self.0.path()).stdin(Stdio::null());
+        // without one, Vulkan loaders complain on stderr
+        command.env("XDG_RUNTIME_DIR", self.0.path());
+        command
+    }
+
+    pub fn run(&self, words: &str) -> Ended {
+        Ended::of(self.command(words).output().expect("joton runs"))
+    }
+
+    /// A run on a machine without any Vulkan driver.
+    pub fn run_without_vulkan(&self, words: &str) -> Ended {
+        let mut command = self.command(words);
+        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
+        Ended::of(command.output().expect("joton runs"))
+    }
+
+    /// A run that must succeed.
+    pub fn done(&self, words: &str) -> Ended {
+        let ended = self.run(words);
+        assert_eq!(ended.code, Some(0), "joton {words}: {}", ended.stderr);
+        ended
+    }
+
+    /// A run that must fail with status 2, nothing on stdout and one line on stderr that holds all of `parts`.
+    pub fn fails(&self, words: &str, parts: &[&str]) {
+        self.run(words).is_refusal(words, parts);
+    }
+
+    pub fn image(&self, name: &str) -> Image {
+        exr_file::read_image(&self.path(name)).expect("a readable EXR")
+    }
+
+    pub fn report(&self, name: &str) -> Value {
+        serde_json::from_slice(&fs::read(self.path(name)).expect("a report")).expect("a report in JSON")
+    }
+}
+
+/// What a run left behind.
+pub struct Ended {
+    pub code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Ended {
+    pub fn of(output: Output) -> Self {
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("messages in UTF-8");
+        Self { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+
+    pub fn is_refusal(&self, words: &str, parts: &[&str]) {
+        assert_eq!(self.code, Some(2), "joton {words}: {}", self.stderr);
+        assert_eq!(self.stdout, "", "joton {words} prints nothing to stdout");
+        assert_eq!(self.stderr.lines().count(), 1, "joton {words}: one line, not\n{}", self.stderr);
+        assert!(self.stderr.starts_with("joton: "), "{}", self.stderr);
+        for part in parts {
+            assert!(self.stderr.contains(part), "joton {words}: {:?} does not say {part:?}", self.stderr);
+        }
+    }
+}
+
+/// The fastest render there is.
+pub const QUICK: &str = "render cornell.toml --size 32x32 --device cpu";
+
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+pub fn names(folder: &Folder) -> Vec<String> {
+    let entries = fs::read_dir(folder.0.path()).expect("a folder");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().into_string().expect("a name")).collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,14 @@
+//! The command line holds to its contract: exit status, what goes to stdout and stderr, files, numbers in the report.
+//!
+//! Runs the program in folders of its own. Tests that need a Vulkan, Metal or DX12 device fail where there is none,
+//! unless JOTON_TEST_NO_GPU=1.
+
+mod compare;
+mod devices;
+mod folder;
+mod images;
+mod plan;
+mod refusals;
+mod report;
+mod stop;
+mod streams;

@@ -1,0 +1,186 @@
+//! Materials: libraries of MTL, and the rule that decides what a material is.
+
+use crate::folder::{Folder, TRIANGLE, load_obj, refused, warned, with_mtl};
+use joton::bands::Bands;
+use joton::scene::Material;
+
+fn material(statements: &str) -> Material {
+    with_mtl(format!("newmtl m\n{statements}\n")).unwrap().materials.remove(0)
+}
+
+fn warnings(statements: &str) -> String {
+    with_mtl(format!("newmtl m\n{statements}\n")).unwrap().warnings.join("\n")
+}
+
+fn near(a: Bands, b: Bands) -> bool {
+    // One rounding of f32 in each of a few operations.
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
+}
+
+/// Missing libraries, materials and usemtl give grey and say where.
+#[test]
+fn missing_materials_are_grey() {
+    let scene = load_obj(format!("mtllib no.mtl\n{TRIANGLE}f 1 2 3\nusemtl nix\nf 1 2 3\n")).unwrap();
+    warned(&scene, "a.obj:1", "\"no.mtl\" is not found");
+    warned(&scene, "a.obj:5", "without a material are matte grey 0.5");
+    warned(&scene, "a.obj:7", "\"nix\" is not defined");
+    assert!(scene.materials.iter().all(|m| m.diffuse == [0.5; 3]));
+}
+
+/// Names of libraries: with spaces, several, in the wrong case, with a backslash or a folder that is not there.
+#[test]
+fn libraries_are_found() {
+    for (named, file) in [
+        ("my own.mtl", "my own.mtl"),
+        ("no.mtl m.mtl", "m.mtl"),
+        ("M.MTL", "m.mtl"),
+        (".\\m.mtl", "m.mtl"),
+        ("C:\\tmp\\m.mtl", "m.mtl"),
+    ] {
+        let obj = format!("mtllib {named}\n{TRIANGLE}usemtl m\nf 1 2 3\n");
+        let folder = Folder::new(&[("a.obj", obj.as_bytes()), (file, b"newmtl m\nKd .1 .2 .3\n")]);
+        assert_eq!(folder.load("a.obj").unwrap().materials[0].diffuse, [0.1, 0.2, 0.3], "{named}");
+    }
+}
+
+/// Tabs, comments after values and names, any case of keys, one value for all, a second definition: all are read.
+#[test]
+fn untidy_libraries_are_read() {
+    for mtl in [
+        "rubbish\n\tnewmtl m\n\tKd\t.25 .5 1. # Blue\n",
+        "newmtl m # the wall\r\nKD .25 .5 1\r\n",
+        "newmtl m\nKd 0 0 0\nnewmtl other\nnewmtl m\nKd .25 .5 1\n",
+    ] {
+        assert_eq!(with_mtl(mtl).unwrap().materials[0].diffuse, [0.25, 0.5, 1.0], "{mtl}");
+    }
+    assert_eq!(material("Kd .25").diffuse, [0.25; 3]);
+}
+
+/// Nameless materials are materials.
+#[test]
+fn nameless_materials_are_read() {
+    let obj = format!("mtllib m.mtl\n{TRIANGLE}usemtl\nf 1 2 3\n");
+    let folder = Folder::new(&[("a.obj", obj.as_bytes()), ("m.mtl", b"newmtl\nKd .1 .2 .3\n")]);
+    assert_eq!(folder.load("a.obj").unwrap().materials[0].diffuse, [0.1, 0.2, 0.3]);
+}
+
+/// Statements that cannot be read are left out; values that are negative or not finite are refused where used.
+#[test]
+fn bad_values_are_named() {
+    let scene = with_mtl("newmtl m\nKd x 0 0\n").unwrap();
+    warned(&scene, "m.mtl:2", "not a number");
+    assert_eq!(scene.materials[0].diffuse, [0.5; 3]);
+    refused(with_mtl("newmtl m\nKd 0 -1 0\n"), "m.mtl:2", "Kd is negative");
+    refused(with_mtl("newmtl m\n\nKe nan 0 0\n"), "m.mtl:3", "Ke is not finite");
+    refused(with_mtl("newmtl m\nillum 7\nNi 100\n"), "m.mtl:3", "index of refraction");
+    assert!(with_mtl("newmtl other\nKd -1 0 0\nnewmtl m\nKd 0 0 0\n").is_ok(), "not used");
+}
+
+/// Rule 1: Ke is radiance and leaves Kd alone.
+#[test]
+fn ke_is_emission() {
+    let m = material("Kd .7 .7 .7\nKe 17 12 4");
+    assert_eq!((m.emission, m.diffuse), ([17.0, 12.0, 4.0], [0.7; 3]));
+}
+
+/// Rule 2: illum 4, 6, 7, 9 are glass; 5, 8, 10 if something transmits; 2 never, whatever Tf says.
+#[test]
+fn illum_tells_glass() {
+    for illum in [4, 6, 7, 9] {
+        let glass =
+            material(&format!("illum {illum}\nNi 1.33\nKd .1 .1 .1\nTf .9 .8 .7")).dielectric.unwrap();
+        let expected = (1.33, [1.0; 3], [0.9, 0.8, 0.7]);
+        assert_eq!((glass.ior, glass.reflection_tint, glass.transmission_tint), expected);
+    }
+    for transmits in ["d 0.5", "Kt .5 .5 .5", "Tf .5 1 1"] {
+        assert!(material(&format!("illum 5\n{transmits}")).dielectric.is_some(), "{transmits}");
+        assert!(material(&format!("illum 2\n{transmits}")).dielectric.is_none(), "{transmits}");
+    }
+    assert!(material("illum 2\nTf 1 1 1\nd 1").dielectric.is_none());
+    assert!(material("illum 5\nTf 1 1 1\nd 1").dielectric.is_none());
+}
+
+/// Rule 2: Ni 1 stays 1, absent it is 1.5; black filters mean none; Kd is ignored and reported where it shows.
+#[test]
+fn glass_defaults() {
+    let glass = |s: &str| material(&format!("illum 7\n{s}")).dielectric.unwrap();
+    assert_eq!((glass("Ni 1.0").ior, glass("").ior, glass("Ni 0").ior), (1.0, 1.5, 1.5));
+    assert!(warnings("illum 7").contains("1.5 is used"));
+    assert_eq!(glass("Tf 0 0 0\nKs 0 0 0").transmission_tint, [1.0; 3]);
+    assert_eq!(glass("Tf 0 0 0\nKs 0 0 .5").reflection_tint, [0.0, 0.0, 0.5]);
+    assert_eq!(glass("Tf 2 1 1").transmission_tint, [1.0; 3]);
+    assert_eq!(material("illum 7\nKd .5 .5 .5").diffuse, [0.0; 3]);
+    assert!(warnings("illum 7\nNi 1.5\nKd .5 .5 .5").contains("Kd of a glass is ignored"));
+    assert!(!warnings("illum 7\nNi 1.5\nKd .01 .01 .01").contains("Kd"));
+}
+
+/// Rules 3 and 4: illum 3 and 5 mirror, 0 and 1 are matte.
+#[test]
+fn illum_tells_mirror_and_matte() {
+    for illum in [3, 5] {
+        let m = material(&format!("illum {illum}\nKd .01 .01 .01\nKs .95 .95 .95"));
+        assert_eq!((m.specular, m.diffuse, m.glossy), ([0.95; 3], [0.01; 3], [0.0; 3]));
+    }
+    for illum in [0, 1] {
+        let m = material(&format!("illum {illum}\nKd .3 .3 .3\nKs .5 .5 .5"));
+        assert_eq!((m.specular, m.diffuse, m.glossy), ([0.0; 3], [0.3; 3], [0.0; 3]));
+    }
+}
+
+/// Rule 5: illum 2 or none with Ks is glossy; the exponent is Ns, else from Pr, else 10, within 1 and 10⁶.
+#[test]
+fn ks_is_a_lobe() {
+    for illum in ["", "illum 2\n"] {
+        for (roughness, exponent) in [
+            ("Ns 50", 50.0),
+            ("Pr 0.5", 30.0),
+            ("Ns 50\nPr 0.5", 50.0),
+            ("", 10.0),
+            ("Ns 0", 1.0),
+            ("Ns 1e9", 1e6),
+            ("Pr 0", 1e6),
+            ("Pr 1", 1.0),
+        ] {
+            let m = material(&format!("{illum}Kd .3 .3 .3\nKs .5 .5 .5\n{roughness}"));
+            assert_eq!(
+                (m.glossy, m.glossy_exponent, m.diffuse),
+                ([0.5; 3], exponent, [0.3; 3]),
+                "{roughness}"
+            );
+        }
+        assert_eq!(material(&format!("{illum}Kd .3 .3 .3\nKs 0 0 0\nNs 10")).glossy_exponent, 0.0);
+    }
+}
+
+/// Rule 6: what Kd is where the file does not say.
+#[test]
+fn absent_kd() {
+    assert_eq!(material("").diffuse, [0.5; 3]);
+    assert_eq!(material("Ke 1 1 1").diffuse, [0.0; 3]);
+    assert_eq!(material("illum 3\nKs 1 1 1").diffuse, [0.0; 3]);
+    assert_eq!(material("Kd 0 0 0").diffuse, [0.0; 3]);
+    assert_eq!(material("map_Kd a.png").diffuse, [0.5; 3]);
+    assert_eq!(material("Kd 0 0 0\nmap_Kd a.png").diffuse, [0.5; 3]);
+    assert_eq!(material("Kd .3 .3 .3\nmap_Kd a.png").diffuse, [0.3; 3]);
+    assert!(warnings("map_Kd a.png").contains("textures are not supported"));
+}
+
+/// Rule 7: more than all light is scaled down in proportion; exactly all is allowed.
+#[test]
+fn reflectances_sum_to_one_at_most() {
+    let m = material("Kd .5 .25 0\nKs 1 1 1\nNs 10");
+    assert!(near(m.diffuse, [1.0 / 3.0, 1.0 / 6.0, 0.0]) && near(m.glossy, [2.0 / 3.0; 3]), "{m:?}");
+    assert!(warnings("Kd .5 .25 0\nKs 1 1 1").contains("scaled down"));
+    assert_eq!(material("Kd 1 1 1").diffuse, [1.0; 3]);
+    assert!(!warnings("Kd 1 1 1").contains("scaled down"));
+    assert!(!warnings("Kd .9 .9 .9\nKs .1 .1 .1").contains("scaled down"), "rounding is no fault");
+}
+
+/// Rule 8: cut-outs stay opaque with a warning, Tr 0 and 1 without.
+#[test]
+fn cutouts_are_opaque() {
+    let cases = [("d 0.5", true), ("map_d a.png", true), ("Tr 0.5", true), ("d 1", false), ("Tr 0", false)];
+    for (statement, expected) in cases.into_iter().chain([("Tr 1", false)]) {
+        assert_eq!(warnings(&format!("Kd 1 1 1\n{statement}")).contains("cut-out"), expected, "{statement}");
+    }
+}
