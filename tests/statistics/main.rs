@@ -13,6 +13,7 @@ mod determinism;
 mod device;
 mod directions;
 mod emission;
+mod glints;
 mod guide;
 mod images;
 mod marks;
