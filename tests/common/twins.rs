@@ -134,6 +134,25 @@ fn pedestal_in_a_room(size: u32) -> Scene {
     b.scene
 }
 
+/// A room with a lamp and a ball, and around it as many balls under lamps as it has walls and floors; whether a wall has a gap.
+fn room_among_lamps(gap: bool, size: u32) -> Scene {
+    let mut b = Builder::new([0., 0.2, 0.9], [0., -0.3, -0.5], [0., 1., 0.], 0.6, size);
+    let white = b.matte(0.7);
+    let lamp = b.material(emitter(10.0, 0.0));
+    b.room([-1.; 3], [1.; 3], white);
+    if gap {
+        b.scene.mesh.triangles.pop();
+    }
+    b.quad([-0.2, 0.98, -0.2], [0.4, 0., 0.], [0., 0., 0.4], lamp);
+    b.icosphere([0.3, -0.7, -0.4], 0.3, 3, false, white);
+    for axis in DVec3::AXES.into_iter().flat_map(|a| [a, -a]) {
+        let at = axis * 3.0;
+        b.icosphere(at.to_array(), 0.6, 3, false, white);
+        b.quad((at + DVec3::new(-0.2, 1.0, -0.2)).to_array(), [0.4, 0., 0.], [0., 0., 0.4], lamp);
+    }
+    b.scene
+}
+
 /// Pixels across from which on there are more jotons than the least.
 pub const WIDE: u32 = 192;
 
@@ -157,6 +176,12 @@ pub fn all(size: u32) -> Vec<Twins> {
     let ball = |smooth| with_ball(file("cornell", size), [0.15, 0.4, 0.15], 0.1, smooth, white());
     let twins = |part, why, without, with| Twins { part, why, without, with };
     vec![
+        twins(
+            Part::OutOfReach,
+            Reason::ClosedRoom,
+            case("room among lamps", room_among_lamps(false, size)),
+            case("the room with a gap", room_among_lamps(true, size)),
+        ),
         twins(
             Part::Emission,
             Reason::NoEmissiveSurface,

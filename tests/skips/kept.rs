@@ -11,8 +11,8 @@ const SIZE: u32 = 24;
 
 /// Parts whose skipping changes which random numbers are drawn for what: images are equal in the mean. Skipping any other
 /// leaves out what adds nothing: images are equal bit by bit.
-const STATISTICAL: [Part; 5] =
-    [Part::FaintLight, Part::UnseenLight, Part::UnseenJotons, Part::Background, Part::Rest];
+const STATISTICAL: [Part; 6] =
+    [Part::OutOfReach, Part::FaintLight, Part::UnseenLight, Part::UnseenJotons, Part::Background, Part::Rest];
 
 /// Of these scenes each part that is skipped is kept alone, too.
 const ALONE: [&str; 2] = ["cornell", "pedestal"];

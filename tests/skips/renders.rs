@@ -9,6 +9,7 @@ use joton::pack::PackedScene;
 use joton::paths::LightPaths;
 use joton::plan::{Part, Plan, Settings};
 use joton::render::{Rendered, Stop, render};
+use joton::scene::Scene;
 use joton::stats::{Estimate, test_equal};
 use std::sync::Arc;
 
@@ -30,6 +31,12 @@ pub enum Side {
 pub fn both() -> Vec<Side> {
     let device = crate::common::device().map(|_| Side::Device);
     [Side::Host].into_iter().chain(device).collect()
+}
+
+/// A packed scene with some parts kept.
+pub fn packed(scene: &Scene, keep: &[Part]) -> Arc<PackedScene> {
+    let whole = keep.contains(&Part::OutOfReach);
+    Arc::new(if whole { PackedScene::whole(scene) } else { PackedScene::new(scene) })
 }
 
 /// The plan of a packed scene with some parts kept.
