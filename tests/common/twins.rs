@@ -220,6 +220,24 @@ pub fn all(size: u32) -> Vec<Twins> {
             case("the lamp turned by 6 degrees", ball_above_lamp(TURNED, size)),
         ),
         twins(
+            Part::CausticMap,
+            Reason::ExcludedByPaths,
+            only(ONE_BOUNCE, "mirror ball, one bounce", plate_with_ball(white(), mirror(0.9), size)),
+            mirror_ball(),
+        ),
+        twins(
+            Part::DiffuseMap,
+            Reason::NoDiffuseSurface,
+            case("mirror plate and ball", plate_with_ball(mirror(0.9), mirror(0.9), size)),
+            mirror_ball(),
+        ),
+        twins(
+            Part::DiffuseMap,
+            Reason::ExcludedByPaths,
+            only(ONE_BOUNCE, "cornell, one bounce", file("cornell", size)),
+            cornell(),
+        ),
+        twins(
             Part::DiffuseMap,
             Reason::OnePlane,
             case("a plate", plate(white(), size)),
@@ -259,7 +277,7 @@ pub fn all(size: u32) -> Vec<Twins> {
             Part::PathFilter,
             Reason::AllPathsWanted,
             mirror_ball(),
-            only("L.+E", "mirror ball without L E", plate_with_ball(white(), mirror(0.9), size)),
+            only("L.?.?E", "mirror ball, two bounces", plate_with_ball(white(), mirror(0.9), size)),
         ),
         twins(
             Part::FurtherShadowRays,
