@@ -19,8 +19,8 @@ const NEAR: f64 = 1.0 / 512.0;
 const SIDES: usize = 4096;
 /// See [`SIDES`].
 const TRIANGLES_PER_SIDE: usize = 512;
-/// Walls behind each other, seen from the camera, that are followed.
-const CROSSINGS: usize = 8;
+/// Triangles behind each other that are looked for, from the camera along an axis.
+const CROSSINGS: usize = 16;
 
 /// A triangle of the scene, and whether its front is meant.
 type Side = (u32, bool);
@@ -101,7 +101,7 @@ impl Walls<'_> {
         let mut sides = Vec::new();
         let mut origin = self.packed.camera.eye;
         let eye = self.scene.camera.position;
-        while sides.len() < CROSSINGS {
+        for _ in 0..CROSSINGS {
             let met = self.packed.bvh.closest(&self.packed.triangles, origin, direction, f32::INFINITY);
             let Some(hit) = met else { break };
             let triangle = self.order[hit.triangle as usize];

@@ -3,7 +3,7 @@
 use crate::common::random;
 use crate::common::scenes::{Builder, emitter, glass};
 use crate::common::twins::{self, EVERYTHING};
-use crate::renders::{Side, is_alike, packed, plan, run};
+use crate::renders::{Side, both, is_alike, packed, plan, run};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use joton::film::Picture;
 use joton::pack::{OutOfReach, PackedScene};
@@ -329,6 +329,23 @@ fn what_is_out_of_reach_gives_no_light() {
         (first..first + RENDERS).map(render).collect::<Vec<Picture>>()
     });
     is_alike("out of reach", &without, &with, &[3, 24]);
+}
+
+/// A closed room under a sun, and no other light: it is dark whether the sun is there or not, on both sides.
+#[test]
+fn a_room_without_a_window_is_dark() {
+    let mut b = Builder::new([0.1, 0.2, 0.7], [0., 0., -1.], [0., 1., 0.], 0.5, SIZE);
+    let white = b.matte(0.6);
+    b.room([-1.; 3], [1.; 3], white);
+    b.scene.lights.push(Light::Sun { direction: DVec3::NEG_Y, irradiance: [3.0; 3] });
+    for keep in [&[][..], &[Part::OutOfReach]] {
+        let scene = packed(&b.scene, keep);
+        assert_eq!(scene.emitters.len(), keep.len());
+        for side in both().into_iter().chain([Side::PathTracer]) {
+            let picture = run(side, &scene, plan(&scene, EVERYTHING, 1, keep), 1).picture;
+            assert!(picture.whole.pixels.iter().flatten().all(|x| *x == 0.0), "{side:?}, {keep:?}");
+        }
+    }
 }
 
 /// `joton plan` tells what is out of reach and what would bring it back; with `--no-skip out-of-reach` it is there.
