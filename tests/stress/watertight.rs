@@ -172,7 +172,7 @@ fn one_place(sheet: &mut Sheet) {
             b.floor(v(x, y, 0.), 1.0, &matte([0.5; 3]));
         }
         b.sun(v(0., 0., -1.), [1.0; 3]);
-        let scene = Arc::new(PackedScene::new(&b.0));
+        let scene = Arc::new(PackedScene::whole(&b.0));
         // the host has no such limit, and is slow here
         let here = mappers().into_iter().filter(|&who| copies < MANY || who == Renderer::Device || is_long());
         for who in here {
