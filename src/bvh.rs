@@ -3,10 +3,11 @@
 //! The only file that names obvhs. Triangles are reordered to leaf order on the way, so that a leaf's
 //! primitive index is a triangle's index.
 
-use glam::{Vec3, Vec3A};
+use glam::{UVec2, Vec3, Vec3A};
+use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::{Ray, RayHit};
-use obvhs::{BvhBuildParams, triangle::Triangle};
+use obvhs::{BvhBuildParams, traverse, triangle::Triangle};
 use std::time::Duration;
 
 /// Leaves hold at most this many triangles: the format has three bits for the count.
@@ -115,6 +116,16 @@ impl Bvh {
         !self.wide.ray_traverse_miss(ray, |ray, id| {
             intersect_triangle(ray.origin, ray.direction, &triangles[id]).map_or(f32::INFINITY, |h| h.0)
         })
+    }
+
+    /// Ask `visit` to look at every triangle whose bounds come within `reach` of a point along each axis, and at some others.
+    pub fn near(&self, point: Vec3, reach: f32, mut visit: impl FnMut(u32)) {
+        let about = Aabb::new((point - reach).into(), (point + reach).into());
+        let mut state = self.wide.new_traversal(Vec3A::ONE);
+        let mut node;
+        traverse!(self.wide, node, state, node.intersect_aabb(&about, state.oct_inv4), {
+            visit(state.primitive_id);
+        });
     }
 
     /// True where `accept` takes a triangle near a point: it is asked for all whose bounds the line through the point meets

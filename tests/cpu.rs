@@ -260,7 +260,7 @@ fn one_point_light_takes_one_shadow_ray() {
     let (_, one) = plan(&scene, EVERYTHING);
     assert_eq!(one.settings.shadow_rays, 1);
     assert!(one.skipped.iter().any(|s| s.what == joton::plan::Part::FurtherShadowRays), "{:?}", one.skipped);
-    scene.lights.push(light(-0.2));
+    scene.lights.push(light(0.7));
     let (_, two) = plan(&scene, EVERYTHING);
     assert_eq!(two.settings.shadow_rays, joton::plan::SHADOW_RAYS);
 }

@@ -34,7 +34,8 @@ const PLANS: u32 = 5;
 /// A scene, packed, and what is wanted of it.
 pub struct Subject {
     effort: Effort,
-    scene: Arc<PackedScene>,
+    /// What is in reach of its camera, and all of it.
+    scenes: [Arc<PackedScene>; 2],
     paths: LightPaths,
 }
 
@@ -70,26 +71,32 @@ fn bits(image: &Image) -> Vec<[u32; BANDS]> {
 impl Subject {
     /// Pack a scene.
     pub fn new(effort: &Effort, case: &Case) -> joton::Result<Self> {
-        let scene = Arc::new(PackedScene::new(&case.scene));
-        Ok(Self { effort: *effort, scene, paths: LightPaths::parse(case.paths)? })
+        let scenes = [PackedScene::new(&case.scene), PackedScene::whole(&case.scene)].map(Arc::new);
+        Ok(Self { effort: *effort, scenes, paths: LightPaths::parse(case.paths)? })
+    }
+
+    /// The scene with some parts kept.
+    fn scene(&self, keep: &[Part]) -> &Arc<PackedScene> {
+        &self.scenes[usize::from(keep.contains(&Part::OutOfReach))]
     }
 
     /// A plan with some parts kept.
     pub fn plan(&self, seed: u32, keep: &[Part]) -> Plan {
         let keep = keep.to_vec();
-        Plan::new(&self.scene, Settings { seed, paths: self.paths.clone(), keep, ..Settings::default() })
+        let scene = self.scene(&keep);
+        Plan::new(scene, Settings { seed, paths: self.paths.clone(), keep, ..Settings::default() })
     }
 
     /// The picture of so many passes, and the processor seconds of one.
     fn render(&self, plan: Plan, passes: u64) -> joton::Result<(Image, f64)> {
-        let scene = Arc::clone(&self.scene);
+        let scene = Arc::clone(self.scene(&plan.settings.keep));
         let mut backend: Box<dyn Backend> = if self.effort.cpu {
             Box::new(CpuBackend::new(scene, plan))
         } else {
             Box::new(GpuBackend::new(Context::open(None)?, scene, plan)?)
         };
         let stop = Stop { passes: Some(passes), ..Stop::default() };
-        let rendered = render(backend.as_mut(), self.scene.size, stop, |_| true)?;
+        let rendered = render(backend.as_mut(), self.scenes[0].size, stop, |_| true)?;
         Ok((rendered.picture.whole, rendered.cpu_seconds / passes as f64))
     }
 
@@ -125,7 +132,7 @@ impl Subject {
     pub fn p_value(&self, keep: &[Part]) -> joton::Result<f64> {
         let radii = |keep: &[Part]| {
             let plan = self.plan(TEST_SEED, keep);
-            (plan.diffuse.base, plan.caustic_wanted, plan.caustic_jotons)
+            (plan.diffuse.base * self.scene(keep).world_scale, plan.caustic_wanted, plan.caustic_jotons)
         };
         let narrow = if radii(&[]) == radii(keep) { [1.0; 2] } else { NARROW };
         let estimate = |keep: &[Part], first: u32| {

@@ -231,7 +231,7 @@ fn load(
         settings.paths = LightPaths::parse(paths)?;
     }
     let peer = versus.map(|(versus, index)| versus.export(&scene, file, index)).transpose()?;
-    let packed = Arc::new(PackedScene::new(&scene));
+    let packed = Arc::new(super::pack(&scene, &settings));
     let plan = Plan::new(&packed, settings);
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Loaded { name, packed, plan, reference, peer })

@@ -12,6 +12,9 @@ mod versus;
 
 use clap::{Parser, Subcommand};
 use joton::Result;
+use joton::pack::PackedScene;
+use joton::plan::{Part, Settings};
+use joton::scene::Scene;
 
 /// A progressive photon mapper that runs on the GPU.
 #[derive(Debug, Parser)]
@@ -73,6 +76,11 @@ pub(crate) fn refuse(e: &clap::Error) -> Result<u8, String> {
     let what = what.join(" ");
     let what = what.trim_start_matches("error: ").trim_end_matches(" For more information, try '--help'.");
     Err(format!("{what}; try --help"))
+}
+
+/// Pack a scene: what is out of reach is left out, unless it is to be kept.
+fn pack(scene: &Scene, settings: &Settings) -> PackedScene {
+    if settings.keeps(Part::OutOfReach) { PackedScene::whole(scene) } else { PackedScene::new(scene) }
 }
 
 /// Print a line to stderr; a closed pipe is no error.

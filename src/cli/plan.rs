@@ -1,10 +1,10 @@
 //! `joton plan SCENE`: what the scene needs, what is skipped and why.
 
 use super::memory::{self, mebibytes};
-use super::{DONE, say};
+use super::{DONE, pack, say};
 use clap::Args;
 use joton::film::Layer;
-use joton::pack::PackedScene;
+use joton::pack::OutOfReach;
 use joton::plan::buffers::{Buffer, Needs, expected_shapes, fit};
 use joton::plan::kernels::Kernel;
 use joton::plan::shape::Machine;
@@ -35,12 +35,12 @@ pub(super) struct PlanArguments {
 
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let scene = joton::scene::load(&a.scene)?;
-    let packed = PackedScene::new(&scene);
     let keep = super::render::kept(&a.no_skip)?;
     let mut settings = Settings { keep, memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
+    let packed = pack(&scene, &settings);
     let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);
     let machine = Machine::REFERENCE;
@@ -56,6 +56,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         let value = json!({
             "triangles": packed.triangles.len(),
             "emitters": packed.emitters.len(),
+            "out_of_reach": packed.out_of_reach,
             "layers": layers,
             "caustic_jotons": plan.caustic_jotons,
             "diffuse_jotons": plan.diffuse_jotons,
@@ -77,6 +78,10 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         return Ok(DONE);
     }
     say(format_args!("{} triangles, {} emitters", packed.triangles.len(), packed.emitters.len()));
+    if !packed.out_of_reach.is_empty() {
+        let OutOfReach { triangles, lights } = packed.out_of_reach;
+        say(format_args!("out of reach: {triangles} triangles, {lights} lights that are no surfaces"));
+    }
     say(format_args!("layers: {}", layers.join(", ")));
     for (what, jotons, schedule) in [
         ("caustic map", plan.caustic_jotons, &plan.caustic),

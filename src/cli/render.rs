@@ -1,12 +1,11 @@
 //! `joton render SCENE`.
 
-use super::{DONE, INTERRUPTED, device, memory, tell};
+use super::{DONE, INTERRUPTED, device, memory, pack, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use joton::backend::Backend;
 use joton::film;
 use joton::output::{self, display, exr, png};
-use joton::pack::PackedScene;
 use joton::paths::LightPaths;
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
 use joton::render::{Progress, Reason, Stop, render};
@@ -102,7 +101,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         say(&format!("warning: {warning}"));
     }
     film::check_memory(scene.size)?;
-    let packed = Arc::new(PackedScene::new(&scene));
+    let packed = Arc::new(pack(&scene, &settings));
     let plan = Plan::new(&packed, settings);
     let (mut backend, device, plan) = device::open(&a.device, a.reference, &packed, plan)?;
     say(&device);

@@ -9,6 +9,7 @@ mod area_points;
 mod emitters;
 mod guide;
 mod marks;
+mod reach;
 mod surfaces;
 mod targets;
 
@@ -23,6 +24,7 @@ pub use targets::{MAX_TARGETS, Target};
 use crate::bvh::Bvh;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
+use serde::Serialize;
 
 /// Exponent of the internal radius: scenes are scaled to a bounding radius in [2^9, 2^10).
 const RADIUS_EXPONENT: i32 = 9;
@@ -56,6 +58,24 @@ pub struct PackedScene {
     pub bounds: [Vec3; 2],
     /// Area of all surfaces that have a diffuse or glossy lobe (one side).
     pub diffuse_area: f64,
+    /// What the scene has beside this.
+    pub out_of_reach: OutOfReach,
+}
+
+/// How much of a scene is left out, since no path from its camera ever comes there.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct OutOfReach {
+    /// Triangles.
+    pub triangles: usize,
+    /// Lights beside the emissive triangles.
+    pub lights: usize,
+}
+
+impl OutOfReach {
+    /// True where nothing is left out.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// A pinhole: the ray through image coordinates (x, y) in [0, 1]², (0, 0) the top left, runs along
@@ -80,8 +100,24 @@ impl PackedCamera {
 }
 
 impl PackedScene {
-    /// Pack a scene.
+    /// Pack what can be reached from the scene's camera.
     pub fn new(scene: &Scene) -> Self {
+        let (whole, order) = Self::pack(scene);
+        let Some(rest) = reach::within_reach(scene, &whole, &order) else { return whole };
+        let out_of_reach = OutOfReach {
+            triangles: scene.mesh.triangles.len() - rest.mesh.triangles.len(),
+            lights: scene.lights.len() - rest.lights.len(),
+        };
+        Self { out_of_reach, ..Self::pack(&rest).0 }
+    }
+
+    /// Pack a scene with everything in it.
+    pub fn whole(scene: &Scene) -> Self {
+        Self::pack(scene).0
+    }
+
+    /// The scene, and for each leaf slot the number of its triangle.
+    fn pack(scene: &Scene) -> (Self, Vec<u32>) {
         let (lo, hi) = bounds(scene);
         let world_center = 0.5 * (lo + hi);
         let radius = (0.5 * (hi - lo).length()).max(f64::MIN_POSITIVE);
@@ -111,7 +147,7 @@ impl PackedScene {
         let targets = targets::find(&triangles, &materials);
         let [right, up, forward] = scene.camera.basis();
         let [tx, ty] = scene.camera.tan_half_fov;
-        Self {
+        let packed = Self {
             world_scale,
             world_center,
             camera: PackedCamera {
@@ -130,7 +166,9 @@ impl PackedScene {
             targets,
             bounds: internal_bounds,
             diffuse_area,
-        }
+            out_of_reach: OutOfReach::default(),
+        };
+        (packed, order)
     }
 
     /// Pixels in the image.

@@ -146,6 +146,10 @@ impl Plan {
         let pilot = Pilot::look(scene);
         let seen = Seen::look(scene, settings.seed);
         let mut skips = Skips { keep: settings.keep.clone(), skipped: Vec::new() };
+        if !scene.out_of_reach.is_empty() {
+            // `PackedScene::whole` keeps it
+            skips.must_skip(Part::OutOfReach, Reason::ClosedRoom);
+        }
         let layers = layers(scene, &settings, &mut skips);
         let features = features(scene, &settings, &mut skips);
         if let [light] = &scene.emitters[..]

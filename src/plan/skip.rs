@@ -6,6 +6,8 @@ use serde::Serialize;
 /// Something that a scene may not need. Leaving it out never changes the expected image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
+    /// Surfaces and lights outside of a closed room that the camera stands in.
+    OutOfReach,
     /// Layer: emission seen by lamps' own pixels and through specular surfaces.
     Emission,
     /// Layer: direct light.
@@ -46,6 +48,8 @@ pub enum Part {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reason {
+    /// Opaque walls without a gap lie between them and the camera.
+    ClosedRoom,
     /// No surface mirrors or refracts.
     NoSpecularSurface,
     /// Every light turns its back on all that mirrors or refracts.
@@ -99,7 +103,8 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 17] = [
+    pub const ALL: [Part; 18] = [
+        Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
         Part::CausticMap,
@@ -122,6 +127,7 @@ impl Part {
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            Part::OutOfReach => "out-of-reach",
             Part::Emission => "emission",
             Part::DirectLight => "direct-light",
             Part::CausticMap => "caustic-map",
@@ -145,6 +151,7 @@ impl Part {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
+            Part::OutOfReach => "surfaces and lights out of reach",
             Part::Emission => "emission",
             Part::DirectLight => "direct light",
             Part::CausticMap => "caustic map",
@@ -186,6 +193,7 @@ impl Reason {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
+            Reason::ClosedRoom => "closed walls lie between them and the camera",
             Reason::NoSpecularSurface => "no surface mirrors or refracts",
             Reason::SpecularInTheDark => "every light faces away from all that mirrors or refracts",
             Reason::NoLight => "no light has any flux",
@@ -216,6 +224,7 @@ impl Reason {
     /// What of a scene, or of the user's, would bring it back.
     pub fn back(self) -> &'static str {
         match self {
+            Reason::ClosedRoom => "an opening in the walls, or a pane of glass",
             Reason::NoSpecularSurface => "a mirror or a dielectric",
             Reason::SpecularInTheDark => "a light that shines on a mirror or a dielectric",
             Reason::NoLight => "a light that has an area or an intensity",

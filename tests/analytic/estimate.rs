@@ -40,7 +40,7 @@ fn truth(image: &Image, want: [f64; 3]) -> f64 {
 
 /// Render with a seed until `stop`; estimate and truth after each of [`PASSES`] and at the end.
 fn errors(scene: &Scene, want: [f64; 3], seed: u32, stop: Stop) -> (Vec<[f64; 2]>, Reason) {
-    let packed = Arc::new(PackedScene::new(scene));
+    let packed = Arc::new(PackedScene::whole(scene));
     let plan = Plan::new(&packed, Settings { seed, ..Settings::default() });
     let mut found = Vec::new();
     let mut backend = CpuBackend::new(packed, plan);

@@ -72,7 +72,7 @@ const PATHS: u64 = 8;
 
 /// Render `scene`; about `passes` passes, more of the path tracer.
 pub fn render(renderer: Renderer, scene: &Scene, paths: &str, passes: u64) -> Shot {
-    let packed = Arc::new(PackedScene::new(scene));
+    let packed = Arc::new(PackedScene::whole(scene));
     let paths = LightPaths::parse(paths).expect("a valid expression");
     let plan = Plan::new(&packed, Settings { paths, ..Settings::default() });
     let _alone = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);

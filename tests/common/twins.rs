@@ -134,6 +134,25 @@ fn pedestal_in_a_room(size: u32) -> Scene {
     b.scene
 }
 
+/// A room with a lamp and a ball, and around it as many balls under lamps as it has walls and floors; whether a wall has a gap.
+fn room_among_lamps(gap: bool, size: u32) -> Scene {
+    let mut b = Builder::new([0., 0.2, 0.9], [0., -0.3, -0.5], [0., 1., 0.], 0.6, size);
+    let white = b.matte(0.7);
+    let lamp = b.material(emitter(10.0, 0.0));
+    b.room([-1.; 3], [1.; 3], white);
+    if gap {
+        b.scene.mesh.triangles.pop();
+    }
+    b.quad([-0.2, 0.98, -0.2], [0.4, 0., 0.], [0., 0., 0.4], lamp);
+    b.icosphere([0.3, -0.7, -0.4], 0.3, 3, false, white);
+    for axis in DVec3::AXES.into_iter().flat_map(|a| [a, -a]) {
+        let at = axis * 3.0;
+        b.icosphere(at.to_array(), 0.6, 3, false, white);
+        b.quad((at + DVec3::new(-0.2, 1.0, -0.2)).to_array(), [0.4, 0., 0.], [0., 0., 0.4], lamp);
+    }
+    b.scene
+}
+
 /// Pixels across from which on there are more jotons than the least.
 pub const WIDE: u32 = 192;
 
@@ -157,6 +176,12 @@ pub fn all(size: u32) -> Vec<Twins> {
     let ball = |smooth| with_ball(file("cornell", size), [0.15, 0.4, 0.15], 0.1, smooth, white());
     let twins = |part, why, without, with| Twins { part, why, without, with };
     vec![
+        twins(
+            Part::OutOfReach,
+            Reason::ClosedRoom,
+            case("room among lamps", room_among_lamps(false, size)),
+            case("the room with a gap", room_among_lamps(true, size)),
+        ),
         twins(
             Part::Emission,
             Reason::NoEmissiveSurface,
@@ -193,6 +218,24 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::SpecularInTheDark,
             case("mirror ball above a lamp", ball_above_lamp(0.0, size)),
             case("the lamp turned by 6 degrees", ball_above_lamp(TURNED, size)),
+        ),
+        twins(
+            Part::CausticMap,
+            Reason::ExcludedByPaths,
+            only(ONE_BOUNCE, "mirror ball, one bounce", plate_with_ball(white(), mirror(0.9), size)),
+            mirror_ball(),
+        ),
+        twins(
+            Part::DiffuseMap,
+            Reason::NoDiffuseSurface,
+            case("mirror plate and ball", plate_with_ball(mirror(0.9), mirror(0.9), size)),
+            mirror_ball(),
+        ),
+        twins(
+            Part::DiffuseMap,
+            Reason::ExcludedByPaths,
+            only(ONE_BOUNCE, "cornell, one bounce", file("cornell", size)),
+            cornell(),
         ),
         twins(
             Part::DiffuseMap,
@@ -234,7 +277,7 @@ pub fn all(size: u32) -> Vec<Twins> {
             Part::PathFilter,
             Reason::AllPathsWanted,
             mirror_ball(),
-            only("L.+E", "mirror ball without L E", plate_with_ball(white(), mirror(0.9), size)),
+            only("L.?.?E", "mirror ball, two bounces", plate_with_ball(white(), mirror(0.9), size)),
         ),
         twins(
             Part::FurtherShadowRays,

@@ -7,6 +7,7 @@ mod dark;
 mod edges;
 mod kept;
 mod picks;
+mod reach;
 mod renders;
 mod snapshot;
 

@@ -3,7 +3,11 @@
 pub use crate::common::renders::{Side, plan_keeping as plan, run};
 use joton::bands::BANDS;
 use joton::film::{Image, Layer, Picture};
+use joton::pack::PackedScene;
+use joton::plan::Part;
+use joton::scene::Scene;
 use joton::stats::{Estimate, test_equal};
+use std::sync::Arc;
 
 /// Scenes of the repository.
 pub const SCENES: [&str; 7] = ["cornell", "furnace", "pedestal", "pool", "ring", "rooms", "spheres"];
@@ -12,6 +16,12 @@ pub const SCENES: [&str; 7] = ["cornell", "furnace", "pedestal", "pool", "ring",
 pub fn both() -> Vec<Side> {
     let device = crate::common::device().map(|_| Side::Device);
     [Side::Host].into_iter().chain(device).collect()
+}
+
+/// A packed scene with some parts kept.
+pub fn packed(scene: &Scene, keep: &[Part]) -> Arc<PackedScene> {
+    let whole = keep.contains(&Part::OutOfReach);
+    Arc::new(if whole { PackedScene::whole(scene) } else { PackedScene::new(scene) })
 }
 
 /// The bits of all layers.

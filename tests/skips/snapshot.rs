@@ -37,7 +37,8 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 19] = [
+const REASONS: [Reason; 20] = [
+    Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
     Reason::NoEmissiveSurface,

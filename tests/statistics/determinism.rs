@@ -78,7 +78,9 @@ fn batches_are_sums_of_passes() {
                 // two roundings a pass instead of one
                 let apart = emission_apart(&batch, &wanted);
                 assert!(apart <= count as f32 * f32::EPSILON, "passes {first} on: emission is {apart} off");
-                [&mut batch, &mut wanted].map(|b| b.layers[Layer::Emission as usize].clear());
+                for b in [&mut batch, &mut wanted] {
+                    b.layers[Layer::Emission as usize].clear();
+                }
             }
             assert!(bits(&batch) == bits(&wanted), "{side:?}: passes {first} to {}", first + count);
         }

@@ -16,7 +16,8 @@ fn room() -> PackedScene {
     let walls = b.matte(0.7);
     b.room([-1.; 3], [1.; 3], walls);
     b.scene.lights.push(Light::Sun { direction: -TOWARD_SUN.normalize(), irradiance: [100.0; 3] });
-    PackedScene::new(&b.scene)
+    // a plan would leave the sun out
+    PackedScene::whole(&b.scene)
 }
 
 /// A shadow ray, however long, sees what stands a thousandth of a unit from where it starts: from points along the

@@ -89,7 +89,7 @@ const STEPS: f64 = 16_777_216.0;
 /// Flux that a scene's jotons carry in the mean over that of its lights: Σ P Φ/pick over Σ Φ, P the share of the 2^24
 /// random numbers that fall on a light.
 fn carried(scene: &Scene, only: impl Fn(f64) -> bool) -> f64 {
-    let packed = PackedScene::new(scene);
+    let packed = PackedScene::whole(scene);
     let (mut before, mut carried, mut all) = (0.0, 0.0, 0.0);
     for e in &packed.emitters {
         let upto = (f64::from(e.cumulative) * STEPS).ceil();
@@ -116,7 +116,7 @@ fn picks(sheet: &mut Sheet) {
             b.point(v(f64::from(x), f64::from(y), f64::from(z)) * 0.9, [each; 3]);
         }
         b.point(v(0., 0., 0.5), [MANY_WATTS * (1.0 - share); 3]);
-        let largest = PackedScene::new(&b.0).emitters.iter().map(|e| e.flux[0]).fold(0.0, f32::max);
+        let largest = PackedScene::whole(&b.0).emitters.iter().map(|e| e.flux[0]).fold(0.0, f32::max);
         let weak = carried(&b.0, |flux| flux < f64::from(largest) * 0.1);
         let name = format!("{count} lamps that have {share:e} of all flux");
         sheet.at_most(format!("{name}: theirs"), "host", "relative", (weak - 1.0).abs(), 1e-5);

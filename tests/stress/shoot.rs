@@ -23,7 +23,7 @@ pub fn open(
     settings: Settings,
     adjust: &dyn Fn(&mut Plan),
 ) -> Box<dyn Backend> {
-    let packed = Arc::new(PackedScene::new(scene));
+    let packed = Arc::new(PackedScene::whole(scene));
     let mut plan = Plan::new(&packed, settings);
     adjust(&mut plan);
     match who {

@@ -116,7 +116,7 @@ fn thin_walls(sheet: &mut Sheet) {
     /// World units.
     const RADIUS: f64 = 0.1;
     let passes = sized(8, 256);
-    let scale = PackedScene::new(&rooms(1e-2, Side::Lit, false)).world_scale;
+    let scale = PackedScene::whole(&rooms(1e-2, Side::Lit, false)).world_scale;
     for (thickness, caustics) in [(1e-2, false), (1e-4, false), (1e-4, true)] {
         for who in everyone() {
             // a radius that leaves something of the room beyond it

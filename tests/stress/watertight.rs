@@ -181,7 +181,7 @@ fn one_place(sheet: &mut Sheet) {
     for (copies, apart) in [(10_000, 0.0), (50, 1e-3), (1_000, 1e-3), (MANY, 1e-3)] {
         let mut b = pile(copies, apart);
         b.sun(v(0., 0., -1.), [1.0; 3]);
-        let scene = Arc::new(PackedScene::new(&b.0));
+        let scene = Arc::new(PackedScene::whole(&b.0));
         // the host has no such limit, and is slow here
         let here = mappers().into_iter().filter(|&who| copies < MANY || who == Renderer::Device || is_long());
         for who in here {
