@@ -370,13 +370,7 @@ mod tests {
     fn trees_grow_where_emission_is_noisy() {
         let none = Glints::mark(SIZE, &[look(Light::Nowhere, false); PIXELS]);
         let grown = after(4, &none, |pass, pixel| match pixel {
-            MIDDLE => {
-                if pass == 2 {
-                    8.0
-                } else {
-                    0.0
-                }
-            }
+            MIDDLE if pass == 2 => 8.0,
             5 => 1e4,
             _ => 0.0,
         });
