@@ -5,9 +5,9 @@ use crate::error::{Error, Result};
 use crate::rest::Rest;
 
 /// Bytes of host memory for a pixel, from the first pass to the written file: the film (96, and 48 where pixels rest) and
-/// what tells its error (120), a batch (48 and its copy from the device), the picture (60), channels and screen values for
+/// what tells its error (120), glints (16), a batch (48 and its copy from the device), the picture (60), channels and screen values for
 /// the files (75), the backend's own state.
-const BYTES_PER_PIXEL: u64 = 616;
+const BYTES_PER_PIXEL: u64 = 632;
 
 /// Bytes of host memory for an image.
 pub fn host_bytes(size: [u32; 2]) -> u64 {

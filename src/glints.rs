@@ -6,14 +6,15 @@ use crate::film::{Film, Layer, RELATIVE_OFFSET};
 use crate::layout::{GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS};
 use crate::neighbours::around;
 use crate::rng::sequence_seed;
+use rayon::prelude::*;
 use std::ops::Range;
 
-/// The fewest trees a pass of a pixel that sees light in part, [`GLINT_TREES`], are doubled so often at most.
-const DOUBLINGS_MAX: u8 = 5;
 /// Trees a pass for all pixels that see dielectric bodies and no light, over the pixels of the image: they take their turns.
 const SPARSE_SHARE: f64 = 1.0 / 32.0;
 /// Trees of a pixel in a pass, at most.
 pub const TREES_MAX: u32 = GLINT_TREES << DOUBLINGS_MAX;
+/// The fewest trees a pass of a pixel that sees light in part, [`GLINT_TREES`], are doubled so often at most …
+const DOUBLINGS_MAX: u8 = 5;
 /// … and so often by the pilot, whose few trees cannot tell how little noise is left where many are spread evenly.
 const PILOT_DOUBLINGS_MAX: u8 = 1;
 /// Trees squared per relative variance of one: where another tree takes as much off the image's error as its time spent
@@ -246,12 +247,12 @@ impl Watch {
             let mean = squared(film.sum(Layer::Emission as usize, pixel)) * self.trees[pixel] / seen;
             relative_variance(self.squares[pixel] / seen, mean, squared(film.sum_of_layers(pixel)))
         };
-        let found: Vec<f32> = (0..glints.levels.len()).map(varies).collect();
+        let found: Vec<f32> = (0..glints.levels.len()).into_par_iter().map(varies).collect();
         let wanted = |pixel: usize| {
             let near = around(pixel as u32, glints.size).map(|i| found[i]).fold(0.0, f32::max);
             worth(found[pixel].max(near / NEIGHBOURS))
         };
-        let wanted: Vec<u8> = (0..found.len()).map(wanted).collect();
+        let wanted: Vec<u8> = (0..found.len()).into_par_iter().map(wanted).collect();
         Glints { size: glints.size, turns: glints.turns, levels: glints.limited(&wanted) }
     }
 }

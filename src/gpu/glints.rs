@@ -6,6 +6,7 @@ use super::recorder::Recorder;
 use crate::error::Result;
 use crate::glints::{Glints, Light, List, Look, TREES_MAX};
 use crate::layout::PassInfo;
+use crate::plan::shape::Strip;
 
 /// The lists, one behind the other on the device.
 pub(super) struct GlintLists {
@@ -75,7 +76,7 @@ impl GpuBackend {
     pub(super) fn upload_glints(&mut self, glints: Glints) -> Result<()> {
         let mut start = 0;
         let width = self.scene.size[0];
-        let list = |strip: crate::plan::shape::Strip| {
+        let list = |strip: Strip| {
             let list =
                 glints.list(strip.first * width..(strip.first + strip.rows) * width, self.plan.settings.seed);
             let at = start;
