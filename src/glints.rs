@@ -140,7 +140,8 @@ impl Glints {
         List { trees, always, turns }
     }
 
-    /// As many trees as these levels say, but no more than [`Glints::most`] together: the highest levels give way.
+    /// As many trees as these levels say, but no more than [`Glints::most`] together: the highest levels give way. Where even the
+    /// fewest for each are too many, pixels of the highest levels come first.
     fn limited(&self, wanted: &[u8]) -> Vec<u8> {
         let with = |highest: u8| -> Vec<u8> {
             self.levels.iter().zip(wanted).map(|(now, wanted)| *now.max(&(*wanted).min(highest))).collect()
@@ -148,12 +149,26 @@ impl Glints {
         let total = |levels: &[u8]| levels.iter().map(|l| u64::from(trees_of(*l))).sum::<u64>();
         let fits = |levels: &Vec<u8>| total(levels) <= Self::most(self.levels.len() as u64);
         let highest = (FEWEST..=FEWEST + DOUBLINGS_MAX).rev();
-        highest.map(with).find(fits).unwrap_or_else(|| self.levels.clone())
+        if let Some(levels) = highest.clone().map(with).find(fits) {
+            return levels;
+        }
+        let mut levels = self.levels.clone();
+        let mut room = Self::most(levels.len() as u64).saturating_sub(total(&levels));
+        for wanted_level in highest {
+            let here = levels.iter_mut().zip(wanted).filter(|(_, wanted)| **wanted == wanted_level);
+            for (level, _) in here.filter(|(level, _)| **level < FEWEST) {
+                let more = u64::from(GLINT_TREES - trees_of(*level));
+                if more <= room {
+                    (*level, room) = (FEWEST, room - more);
+                }
+            }
+        }
+        levels
     }
 
     /// Trees in the [`List`] of an image with so many pixels, at most.
     pub fn most(pixels: u64) -> u64 {
-        pixels * u64::from(2 * GLINT_TREES)
+        pixels * u64::from(GLINT_TREES)
     }
 
     /// The pass of [`Glints::turns`] in which a pixel has its tree.

@@ -137,33 +137,57 @@ pub(super) fn emission(
     })
 }
 
-/// What the pilot's trees see. They are the last of their sequences: no pass uses them, so a choice by them costs no bias.
-/// It knows no --paths: the parts of an image add up.
-pub(super) fn look(scene: &PackedScene, seed: u32, pilot: u32) -> Vec<Look> {
-    let look = |pixel: u32, trees: u32| {
-        let (mut lit, mut direct, mut branched) = (0, 0, false);
-        let (mut sum, mut square) = (BLACK, 0.0);
-        for i in 0..trees {
+/// What the trees of a pixel have seen so far, in the pilot.
+#[derive(Clone, Copy)]
+struct Survey {
+    trees: u32,
+    lit: u32,
+    direct: u32,
+    branched: bool,
+    sum: Bands,
+    square: f32,
+}
+
+impl Survey {
+    /// After trees up to this one, too. They are the last of their sequences: no pass uses them, so a choice by them costs no
+    /// bias. It knows no --paths: the parts of an image add up.
+    fn up_to(mut self, trees: u32, scene: &PackedScene, seed: u32, [pixel, pilot]: [u32; 2]) -> Self {
+        for i in self.trees..trees {
             let number = pilot.wrapping_mul(PILOT_TREES).wrapping_add(i);
             let seen = tree(scene, seed, [pixel, number], |_, _| 1.0, &mut Tally::default());
-            lit += u32::from(!is_black(&seen.emission));
-            direct += u32::from(seen.direct);
-            branched |= seen.branched;
-            sum = add(&sum, &seen.emission);
-            square += seen.emission.iter().map(|x| x * x).sum::<f32>();
+            self.trees += 1;
+            self.lit += u32::from(!is_black(&seen.emission));
+            self.direct += u32::from(seen.direct);
+            self.branched |= seen.branched;
+            self.sum = add(&self.sum, &seen.emission);
+            self.square += seen.emission.iter().map(|x| x * x).sum::<f32>();
         }
-        let light = match (lit, direct) {
+        self
+    }
+
+    fn told(&self) -> Look {
+        let light = match (self.lit, self.direct) {
             (0, _) => Light::Nowhere,
-            _ if direct == trees => Light::Everywhere,
+            _ if self.direct == self.trees => Light::Everywhere,
             _ => Light::InPart,
         };
-        let each = 1.0 / trees as f32;
-        let squared_mean = sum.iter().map(|x| (x * each).powi(2)).sum();
-        Look { light, branched, square: square * each, squared_mean }
-    };
+        let each = 1.0 / self.trees as f32;
+        let squared_mean = self.sum.iter().map(|x| (x * each).powi(2)).sum();
+        Look { light, branched: self.branched, square: self.square * each, squared_mean }
+    }
+}
+
+/// What the pilot's trees see.
+pub(super) fn look(scene: &PackedScene, seed: u32, pilot: u32) -> Vec<Look> {
+    let nothing = Survey { trees: 0, lit: 0, direct: 0, branched: false, sum: BLACK, square: 0.0 };
     let pixels = || (0..scene.pixels() as u32).into_par_iter();
-    let first: Vec<Look> = pixels().map(|pixel| look(pixel, PILOT_FIRST)).collect();
-    // two are too few to say that glass shows no light
-    let open = |pixel: u32| first[pixel as usize].branched || is_mixed(&first, pixel as usize, scene.size);
-    pixels().map(|i| if open(i) { look(i, PILOT_TREES) } else { first[i as usize] }).collect()
+    let few: Vec<Survey> = pixels().map(|i| nothing.up_to(PILOT_FIRST, scene, seed, [i, pilot])).collect();
+    let first: Vec<Look> = few.iter().map(Survey::told).collect();
+    let all = |i: u32| {
+        let (survey, look) = (&few[i as usize], first[i as usize]);
+        // few trees are too few to say that glass shows no light
+        let is_open = look.branched || is_mixed(&first, i as usize, scene.size);
+        if is_open { survey.up_to(PILOT_TREES, scene, seed, [i, pilot]).told() } else { look }
+    };
+    pixels().map(all).collect()
 }
