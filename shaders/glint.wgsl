@@ -87,23 +87,21 @@ fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
         let random = random4(pass_info.seed, number, pixel, DIMENSION_GLINT + node);
         node += 1u;
         // nothing is scattered or absorbed by chance here: only specular events lead to light
-        let both = takes_both(way.splits, c);
-        var event = select(EVENT_TRANSMIT, EVENT_REFLECT, random.x * specular < c.reflect);
-        if both {
-            // the lesser first: so many are never waiting
-            event = select(EVENT_TRANSMIT, EVENT_REFLECT, c.reflect <= c.transmit);
-            let greater = select(EVENT_REFLECT, EVENT_TRANSMIT, c.reflect <= c.transmit);
-            let other = after(way, s, m, c, reflectance, greater, geometric, shading, from_front, random.yz);
-            if other.alive {
-                waiting[waits] = other.way;
+        let both = HAS_DIELECTRIC && takes_both(way.splits, c);
+        let reflects = select(random.x * specular < c.reflect, c.reflect <= c.transmit, both);
+        let event = select(select(EVENT_TRANSMIT, EVENT_REFLECT, reflects), EVENT_MIRROR, c.mirror > 0.0);
+        let greater = select(EVENT_REFLECT, EVENT_TRANSMIT, reflects);
+        var next: Next;
+        // one call for both: it is most of what there is to compile
+        for (var left = select(1u, 2u, both); left > 0u; left -= 1u) {
+            next = after(way, s, m, c, reflectance, select(event, greater, left == 2u), geometric, shading, from_front, random.yz);
+            if left == 2u && next.alive {
+                // the greater waits: so many are never waiting
+                waiting[waits] = next.way;
                 waits += 1u;
             }
-            found.branched = true;
         }
-        if c.mirror > 0.0 {
-            event = EVENT_MIRROR;
-        }
-        let next = after(way, s, m, c, reflectance, event, geometric, shading, from_front, random.yz);
+        found.branched = found.branched || both;
         let taken = event_chance(c, event);
         let survives = survival(way.events, select(specular, taken, both), budget);
         if !next.alive || random.w >= survives {
