@@ -21,7 +21,7 @@ const BIAS_SAFETY: f64 = 4.0;
 
 /// Up to so many passes the mean is taken for the pixel's brightness, and bias for noise; of more, less and less. A lamp
 /// that fills a tenth of a pixel is often seen by one half alone, and a line through two passes goes anywhere.
-const TRUSTING_PASSES: f64 = 16.0;
+const TRUSTING_PASSES: f64 = 8.0;
 
 /// The passes of a render, and parts of them.
 #[derive(Debug, Clone)]
