@@ -57,7 +57,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let from_front = dot(direction, s.front) < 0.0;
         if (m.flag_bits & EMISSIVE) != 0u && from_front
             && (!HAS_PATH_FILTER || path_wanted(PATH_START, events)) {
-            emission += throughput * m.emission * (splits.chance / (splits.chance + trees));
+            emission += throughput * m.emission * weight_of_eye(splits, trees);
         }
         let toward_eye = select(-1.0, 1.0, from_front);
         let geometric = s.front * toward_eye;

@@ -72,7 +72,7 @@ fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
         let from_front = dot(way.direction, s.front) < 0.0;
         if (m.flag_bits & EMISSIVE) != 0u && from_front
             && (pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events)) {
-            found.emission += way.throughput * m.emission * select(1.0 / (way.splits.chance + trees), 1.0, pilot);
+            found.emission += way.throughput * m.emission * select(weight_of_tree(way.splits, trees), 1.0, pilot);
             found.direct = way.events == 0u;
         }
         let geometric = s.front * select(-1.0, 1.0, from_front);

@@ -162,9 +162,8 @@ pub fn render(
         if let Some(quiet) = &mut quiet {
             quiet.watch(passes - count, count, &batch.layers);
             if let Some(rest) = quiet.renew(passes, backend.glints()) {
-                let rest = rest.clone();
-                backend.rest(&rest);
-                sums.set_rest(rest);
+                backend.rest(rest);
+                sums.set_rest(rest.clone());
             }
         }
         if is_estimated(passes) {

@@ -14,6 +14,16 @@ fn takes_both(s: Splits, c: Chances) -> bool {
     return min(c.reflect, c.transmit) * s.share >= SPLIT_MIN;
 }
 
+// Weight of the emission that an eye path meets, beside so many trees a pass: the balance heuristic.
+fn weight_of_eye(s: Splits, trees: f32) -> f32 {
+    return s.chance / (s.chance + trees);
+}
+
+// Weight of the emission that each of so many trees a pass meets.
+fn weight_of_tree(s: Splits, trees: f32) -> f32 {
+    return 1.0 / (s.chance + trees);
+}
+
 // After an event with these chances.
 fn splits_after(s: Splits, c: Chances, event: u32) -> Splits {
     let kept = c.diffuse + c.glossy + c.mirror + c.reflect + c.transmit;
