@@ -36,7 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let level = gather_points[held(pixel)].glint_level;
     let trees = trees_a_pass(level);
     var splits = Splits(1.0, 1.0);
-    var origin = pass_info.eye;
+    var start = Departure(pass_info.eye, 0.0);
     var direction = camera_direction(pixel, jitter);
     var throughput = Bands(1.0);
     var emission = Bands(0.0);
@@ -47,7 +47,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
 
     loop {
         rays += 1u;
-        let hit = traverse(origin, direction, 1e30, false);
+        let hit = trace_ray(start.origin, direction, 1e30, start.t_back, false, vec3(0.0));
         if hit.triangle == MISS {
             break;
         }
@@ -78,7 +78,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if choice < scatter {
             let back = select(BACK_SIDE, 0u, from_front);
             point = GatherPoint(
-                s.position, s.material | (min(events, CHAIN_MAX) << 24u) | back,
+                s.position + geometric * s.lift, s.material | (min(events, CHAIN_MAX) << 24u) | back,
                 throughput * (kept / scatter), length,
                 encode_direction(geometric), encode_direction(shading), encode_direction(-direction), level,
             );
@@ -100,7 +100,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         throughput *= event_reflectance(m, event, reflectance) * (kept / (survives * event_chance(c, event)) * radiance_scale);
         splits = splits_after(splits, c, event);
         direction = next.direction;
-        origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
+        start = departure(s, direction, from_front);
         events += 1u;
         if steps > CAMERA_STEPS {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);

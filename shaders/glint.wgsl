@@ -44,6 +44,8 @@ struct Way {
     direction: vec3<f32>,
     splits: Splits,
     throughput: Bands,
+    // Back faces nearer than this are not met.
+    t_back: f32,
 }
 
 // Tree `number` of a pixel, which ends before `steps` comes to `budget`; weighed beside so many trees a pass, but in the pilot.
@@ -53,7 +55,7 @@ fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
     var waits = 0u;
     var found = Seen(Bands(0.0), false, false, 0u);
     var node = 0u;
-    var way = Way(pass_info.eye, 0u, camera_direction(pixel, jitter), Splits(1.0, 1.0), Bands(1.0));
+    var way = Way(pass_info.eye, 0u, camera_direction(pixel, jitter), Splits(1.0, 1.0), Bands(1.0), 0.0);
     var alive = true;
     // each turn is a ray of whatever way: lanes that run in step do not wait for the ends of each other's ways
     while alive || waits > 0u {
@@ -63,7 +65,7 @@ fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
         }
         alive = false;
         found.rays += 1u;
-        let hit = traverse(way.origin, way.direction, 1e30, false);
+        let hit = trace_ray(way.origin, way.direction, 1e30, way.t_back, false, vec3(0.0));
         if hit.triangle == MISS {
             continue;
         }
@@ -132,9 +134,9 @@ fn after(
     // [E9] radiance scales with the square of the index; flux does not
     let radiance_scale = select(1.0, scattered.eta_it * scattered.eta_it, event == EVENT_TRANSMIT);
     let d = scattered.direction;
-    let origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(d, s.front) >= 0.0));
+    let start = departure(s, d, from_front);
     let throughput = way.throughput * event_reflectance(m, event, reflectance) * radiance_scale;
-    let next = Way(origin, way.events + 1u, d, splits_after(way.splits, c, event), throughput);
+    let next = Way(start.origin, way.events + 1u, d, splits_after(way.splits, c, event), throughput, start.t_back);
     return Next(next, scattered.alive && max_band(throughput) > 0.0);
 }
 

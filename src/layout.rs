@@ -146,7 +146,7 @@ gpu_struct! {
 gpu_struct! {
     /// Where a camera path met its first diffuse surface; 48 bytes, one for each pixel.
     pub struct GatherPoint {
-        /// Position.
+        /// Position, lifted off the surface toward the eye [E26]: where rays from it start.
         pub position: Vec3,
         /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, and
         /// [`BACK_SIDE`] where the back of the triangle is seen.
@@ -215,6 +215,14 @@ gpu_struct! {
         pub flux: Bands,
         /// Low 5 bits: state of the path automaton; then LANE_ bits; above bit 16 the number of events.
         pub status: u32,
+        /// Back faces nearer than this are not met by the next ray [E26].
+        pub t_back: f32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+        /// Padding.
+        pub pad2: u32,
     }
 }
 
@@ -352,6 +360,12 @@ pub const EDGE_CUT: u32 = 1;
 /// See [`EDGE_CUT`].
 pub const EDGE_OTHERS: u32 = 2;
 
+/// Rays leave a plane by this part of the coordinates that say how far off the origin it is: eight half units in the last
+/// place. Points of the plane are rounded so, and so is where another ray meets it [E26].
+pub const LIFT: f32 = 8.0 / (1 << 24) as f32;
+/// … and by no less than this, internal units: a plane through the origin of the scene is exact.
+pub const LIFT_LEAST: f32 = 1.0 / (1 << 20) as f32;
+
 /// Events after which no path goes on for sure …
 pub const SURE_EVENTS: u32 = 64;
 /// … but with this probability at most, at each event [E3]: so paths end between perfect mirrors and inside bodies that
@@ -370,8 +384,8 @@ pub const UNSEEN_STORED: u32 = 8;
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
     use crate::pack::{
-        EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS,
-        WARP_WORDS,
+        CLEAR, EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH,
+        WARP_BINS, WARP_WORDS, rank,
     };
     use std::fmt::Write;
     let mut s = String::new();
@@ -388,6 +402,12 @@ pub fn constants() -> String {
     u("EMITTER_SUN", EmitterKind::Sun as u32);
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
+    u("CLEAR", CLEAR);
+    u("RANK_CLEAR_FRONT", rank::CLEAR_FRONT);
+    u("RANK_CLEAR_BACK", rank::CLEAR_BACK);
+    u("RANK_BACK", rank::BACK);
+    u("RANK_FRONT", rank::FRONT);
+    u("RANK_LAMP", rank::LAMP);
     u("WARP_BINS", WARP_BINS as u32);
     u("WARP_VECTORS", (WARP_WORDS / 4) as u32);
     u("WARPS_VECTORS", (MAX_WARPS * WARP_WORDS / 4) as u32);
@@ -434,6 +454,9 @@ pub fn constants() -> String {
         writeln!(s, "const {name}: f32 = {value:?};").expect("writing to a string");
     };
     f("SURVIVAL_MAX", SURVIVAL_MAX);
+    f("LIFT", LIFT);
+    f("LIFT_LEAST", LIFT_LEAST);
+    f("ONE_PLACE", crate::bvh::ONE_PLACE);
     f("GATHER_NORMAL_COS", GATHER_NORMAL_COS);
     f("GATHER_PLANE_SHARE", GATHER_PLANE_SHARE);
     f("GATHER_SHEET_SHARE", GATHER_SHEET_SHARE);

@@ -43,7 +43,7 @@ const ARROWS: [(&str, &[&str]); 28] = [
     ("glints", &["layout", "film", "rng", "neighbours"]),
     // up: structs are declared by layout's macro
     ("pack", &["scene", "bvh", "rng", "layout"]),
-    ("layout", &["pack", "paths", "rest"]),
+    ("layout", &["pack", "paths", "rest", "bvh"]),
     ("stats", &["film"]),
     ("output", &["film"]),
     ("paths", &["film"]),

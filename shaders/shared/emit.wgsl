@@ -67,7 +67,7 @@ fn emit(number: u32) -> Start {
 
 fn start_origin(e: PackedEmitter, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     if is_triangle(e.kind) {
-        return offset_origin(position, normal);
+        return position + normal * lift_of(normal, abs(e.origin) + abs(e.e1) + abs(e.e2));
     }
     return position;
 }

@@ -124,7 +124,7 @@ fn by_bsdf(
         return BLACK;
     }
     tally.rays += 1;
-    let ray = Ray { origin: lift(g.position, g.ng, g.triangle), direction: wi };
+    let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
     let Some(s) = Surface::hit(scene, &ray) else { return BLACK };
     if !s.front || !s.flags().is_emissive() {
         return BLACK;

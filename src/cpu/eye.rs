@@ -53,7 +53,7 @@ pub(super) fn ray_through(scene: &PackedScene, pixel: u32, [jx, jy]: [f32; 2]) -
     let [width, height] = scene.size;
     let x = ((pixel % width) as f32 + jx) / width as f32;
     let y = ((pixel / width) as f32 + jy) / height as f32;
-    Ray { origin: scene.camera.eye, direction: scene.camera.direction([x, y]) }
+    Ray::new(scene.camera.eye, scene.camera.direction([x, y]))
 }
 
 /// True where emission is wanted that is seen through `chain` specular events (E S* L).

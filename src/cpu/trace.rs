@@ -88,7 +88,7 @@ impl Tracer<'_> {
 
     fn follow<const CAUSTIC: bool>(&mut self, i: u32, start: Start, dimension: u32) {
         let paths = &self.plan.settings.paths;
-        let (mut ray, mut flux) = (Ray { origin: start.origin, direction: start.direction }, start.flux);
+        let (mut ray, mut flux) = (Ray::new(start.origin, start.direction), start.flux);
         let mut state = LightPaths::START;
         let (mut specular, mut diffuse) = (0u32, 0u32);
         for event in 0..EVENTS_MAX {

@@ -34,6 +34,7 @@ sources![
     "shared/reservoir.wgsl",
     "shared/bsdf.wgsl",
     "shared/intersect.wgsl",
+    "shared/crossing.wgsl",
     "shared/surface.wgsl",
     "shared/scatter.wgsl",
     "shared/emitter.wgsl",

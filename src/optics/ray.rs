@@ -1,17 +1,23 @@
 //! Rays and what they meet: surfaces with both normals turned toward where the ray came from.
 
+use crate::layout::{LIFT, LIFT_LEAST};
 use crate::pack::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH};
 use glam::Vec3;
-
-/// Rays leave a surface by this part of the largest coordinate in play: 32 units in the last place. Vertices and
-/// products in the intersection are rounded at that size, wherever on the triangle the point lies.
-const OFFSET: f32 = 1.0 / (1 << 19) as f32;
 
 /// A ray; the direction is a unit vector.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
     pub(crate) origin: Vec3,
     pub(crate) direction: Vec3,
+    /// Back faces nearer than this are not met: the ray starts so little inside of a body that it leaves.
+    pub(crate) t_back: f32,
+}
+
+impl Ray {
+    /// A ray that leaves no body.
+    pub(crate) fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_back: 0.0 }
+    }
 }
 
 /// Where a ray met a triangle.
@@ -38,7 +44,13 @@ pub(crate) struct Surface<'a> {
 impl<'a> Surface<'a> {
     /// What `ray` meets first.
     pub(crate) fn hit(scene: &'a PackedScene, ray: &Ray) -> Option<Self> {
-        let hit = scene.bvh.closest(&scene.triangles, ray.origin, ray.direction, f32::INFINITY)?;
+        let hit = scene.bvh.closest_from_within(
+            &scene.triangles,
+            ray.origin,
+            ray.direction,
+            f32::INFINITY,
+            ray.t_back,
+        )?;
         let triangle = &scene.triangles[hit.triangle as usize];
         let front_normal = triangle.normal();
         let front = ray.direction.dot(front_normal) < 0.0;
@@ -69,10 +81,17 @@ impl<'a> Surface<'a> {
         self.material.flags()
     }
 
-    /// A ray that leaves in `direction`, on whichever side that is.
+    /// A ray that leaves in `direction`, on whichever side that is. A ray out of a body starts on its inner side, where it
+    /// still meets the front of what touches the body.
     pub(crate) fn leave(&self, direction: Vec3) -> Ray {
-        let side = if direction.dot(self.ng) < 0.0 { -self.ng } else { self.ng };
-        Ray { origin: lift(self.position, side, self.triangle), direction }
+        let crosses = direction.dot(self.ng) < 0.0;
+        let side = if crosses { -self.ng } else { self.ng };
+        if crosses && !self.front {
+            let lift = lift_of(side, self.triangle);
+            let t_back = 2.0 * lift / direction.dot(side);
+            return Ray { origin: self.position - side * lift, direction, t_back };
+        }
+        Ray::new(lift(self.position, side, self.triangle), direction)
     }
 
     /// The shading normal where the ray sees its front, else the geometric one: what specular events turn about.
@@ -81,14 +100,18 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// How far off a triangle's plane f32 may put a point that lies in it.
+fn lift_of(normal: Vec3, triangle: &PackedTriangle) -> f32 {
+    let extent = triangle.v0.abs() + triangle.e1.abs() + triangle.e2.abs();
+    (normal.abs().dot(extent) * LIFT).max(LIFT_LEAST)
+}
+
 /// `position` on `triangle`, lifted to the side of `normal` so far that rounding cannot put it on the other side.
 pub(crate) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> Vec3 {
-    let size = |v: Vec3| v.abs().max_element();
-    let scale = size(position).max(size(triangle.v0)).max(size(triangle.e1)).max(size(triangle.e2));
-    position + normal * (scale * OFFSET)
+    position + normal * lift_of(normal, triangle)
 }
 
 /// True where nothing stands between two points that are already lifted off their surfaces.
 pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
-    !scene.bvh.occluded(&scene.triangles, from, to - from, 1.0)
+    !scene.bvh.stands_between(&scene.triangles, from, to)
 }

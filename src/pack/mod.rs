@@ -17,8 +17,8 @@ pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use emitters::{EmitterKind, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use marks::{MARK_FACTORS, MARK_WORDS, Marks};
-pub(crate) use surfaces::without_copies;
-pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
+pub use surfaces::{CLEAR, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
+pub(crate) use surfaces::{rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
 
 use crate::bvh::Bvh;

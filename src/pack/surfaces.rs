@@ -1,7 +1,7 @@
 //! Triangles and materials as plain arrays.
 
 use crate::bands::{BLACK, Bands, add, is_black};
-use crate::bvh::Edges;
+use crate::bvh::Face;
 use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
@@ -12,6 +12,18 @@ pub const NO_EMITTER: u32 = u32::MAX;
 
 /// Bit of [`PackedTriangle::flags`]: the triangle has shading normals.
 pub const SMOOTH: u32 = 1;
+/// Bit of [`PackedTriangle::flags`]: light passes through.
+pub const CLEAR: u32 = 2;
+
+/// Ranks of faces in one place ([`Face::rank`]): opaque before clear, since glass that touches an opaque face is in optical
+/// contact with it; of opaque faces those that look toward the ray, lamps first; of clear ones the way out before the way in.
+pub(crate) mod rank {
+    pub(crate) const CLEAR_FRONT: u32 = 0;
+    pub(crate) const CLEAR_BACK: u32 = 1;
+    pub(crate) const BACK: u32 = 2;
+    pub(crate) const FRONT: u32 = 3;
+    pub(crate) const LAMP: u32 = 4;
+}
 
 gpu_struct! {
     /// A triangle, 48 bytes; front where the vertices run counter-clockwise.
@@ -22,7 +34,7 @@ gpu_struct! {
         pub material: u32,
         /// Second vertex minus first.
         pub e1: Vec3,
-        /// [`SMOOTH`] or 0.
+        /// [`SMOOTH`], [`CLEAR`].
         pub flags: u32,
         /// Third vertex minus first.
         pub e2: Vec3,
@@ -48,10 +60,21 @@ impl PackedTriangle {
     }
 }
 
-impl Edges for PackedTriangle {
+impl Face for PackedTriangle {
     #[inline(always)]
     fn edges(&self) -> [Vec3; 3] {
         [self.v0, self.e1, self.e2]
+    }
+
+    // twin: shaders/shared/intersect.wgsl
+    fn rank(&self, is_front: bool) -> u32 {
+        match (self.flags & CLEAR != 0, is_front) {
+            (true, true) => rank::CLEAR_FRONT,
+            (true, false) => rank::CLEAR_BACK,
+            (false, false) => rank::BACK,
+            (false, true) if self.emitter == NO_EMITTER => rank::FRONT,
+            (false, true) => rank::LAMP,
+        }
     }
 }
 
@@ -200,7 +223,8 @@ pub(super) fn pack(
             v0: a,
             material: t.material,
             e1: b - a,
-            flags: if t.normal.is_some() { SMOOTH } else { 0 },
+            flags: if t.normal.is_some() { SMOOTH } else { 0 }
+                | if scene.materials[t.material as usize].dielectric.is_some() { CLEAR } else { 0 },
             e2: c - a,
             emitter: NO_EMITTER,
         };

@@ -121,7 +121,7 @@ impl Seen {
 fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint> {
     let c = &scene.camera;
     let direction = c.direction(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
-    let mut ray = Ray { origin: c.eye, direction };
+    let mut ray = Ray::new(c.eye, direction);
     let mut length = 0.0;
     for event in 0..CHAIN {
         let s = Surface::hit(scene, &ray)?;

@@ -94,11 +94,11 @@ impl Traffic {
 fn start(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Option<(Ray, Bands)> {
     let seed = plan.settings.seed;
     let draw = |k: u32| sobol2(number, sequence_seed(seed, k, STREAMS[path as usize]));
-    let of = |s: Start| (Ray { origin: s.origin, direction: s.direction }, s.flux);
+    let of = |s: Start| (Ray::new(s.origin, s.direction), s.flux);
     match path {
         Path::Camera => {
             let c = &scene.camera;
-            Some((Ray { origin: c.eye, direction: c.direction(draw(0)) }, [1.0; BANDS]))
+            Some((Ray::new(c.eye, c.direction(draw(0))), [1.0; BANDS]))
         }
         _ if scene.emitters.is_empty() => None,
         Path::Caustic => aimed(scene, &plan.guides.caustic, draw(0), draw(1), 1.0).map(of),

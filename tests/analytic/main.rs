@@ -8,6 +8,7 @@
 mod build;
 mod caustics;
 mod cie;
+mod contact;
 mod direct;
 mod estimate;
 mod exchange;

@@ -148,7 +148,7 @@ fn hits(
         Some(law_of(e, [rest, place[1]], towards, 1.0 / pick))
     };
     let Some(Start { origin, direction, mut flux }) = start else { return (0, Vec::new()) };
-    let mut ray = Ray { origin, direction };
+    let mut ray = Ray::new(origin, direction);
     let mut hits = Vec::new();
     let (mut scattered, mut stored) = (false, 0);
     for event in 0..if is_caustic { CHAIN } else { EVENTS } {
