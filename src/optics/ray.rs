@@ -115,3 +115,70 @@ pub(crate) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> V
 pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
     !scene.bvh.stands_between(&scene.triangles, from, to)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::sampling::sphere;
+    use crate::rng::sobol2;
+    use crate::scene::{Camera, Material, Mesh, Scene, Triangle};
+    use glam::{DQuat, DVec3};
+
+    /// A turned cube whose faces are cut unevenly into many triangles, fronts outward.
+    fn cut_cube() -> PackedScene {
+        const CUTS: [f64; 7] = [-1.0, -0.99, -0.3, 0.0, 0.7, 0.95, 1.0];
+        let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 1.2, 0.8);
+        let mut mesh = Mesh::default();
+        for face in 0..6 {
+            let (axis, side) = (face / 2, if face % 2 == 0 { -1.0 } else { 1.0 });
+            for cell in 0..36 {
+                let at = |i: usize, j: usize| {
+                    let mut p = [0.0; 3];
+                    (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) =
+                        (side, CUTS[cell / 6 + i], CUTS[cell % 6 + j]);
+                    turn * DVec3::from(p)
+                };
+                let first = mesh.positions.len() as u32;
+                mesh.positions.extend([at(0, 0), at(1, 0), at(1, 1), at(0, 1)]);
+                for corners in [[0, 1, 2], [0, 2, 3]] {
+                    let mut vertex = corners.map(|k| first + k);
+                    if side < 0.0 {
+                        vertex.swap(0, 2);
+                    }
+                    mesh.triangles.push(Triangle { vertex, normal: None, material: 0 });
+                }
+            }
+        }
+        let camera = Camera { position: DVec3::ZERO, target: DVec3::X, up: DVec3::Z, tan_half_fov: [1.0; 2] };
+        PackedScene::whole(&Scene {
+            camera,
+            size: [1; 2],
+            mesh,
+            materials: vec![Material::matte("m", [0.5; 3])],
+            lights: Vec::new(),
+            warnings: Vec::new(),
+        })
+    }
+
+    /// What leaves a convex body meets nothing; what goes back into it does not meet the face that it left.
+    #[test]
+    fn rays_leave_a_surface_without_meeting_it_again() {
+        let scene = cut_cube();
+        for i in 0..200_000 {
+            let s = Surface::hit(&scene, &Ray::new(Vec3::ZERO, sphere(sobol2(i, 1)))).expect("a closed body");
+            let d = sphere(sobol2(i, 2));
+            // from inside the front is out; every third ray grazes
+            let out = -s.ng;
+            let d = if i % 3 == 0 { (d - out * d.dot(out) * 0.999).normalize() } else { d };
+            let d = if d.dot(out) < 0.0 { -d } else { d };
+            assert!(
+                Surface::hit(&scene, &s.leave(d)).is_none(),
+                "{i}: a ray through the face meets it again"
+            );
+            let from = Ray::new(lift(s.position, out, s.triangle), d);
+            assert!(Surface::hit(&scene, &from).is_none(), "{i}: a ray off the face meets it again");
+            let again = Surface::hit(&scene, &s.leave(-d)).expect("a closed body");
+            assert!(again.ng.dot(s.ng) < 0.99, "{i}: a ray inward meets the face that it left");
+        }
+    }
+}
