@@ -160,6 +160,9 @@ mod tests {
         })
     }
 
+    /// Cosines below this are noise of the directions themselves, over the width of a body.
+    const GRAZING: f32 = 1e-5;
+
     /// What leaves a convex body meets nothing; what goes back into it does not meet the face that it left.
     #[test]
     fn rays_leave_a_surface_without_meeting_it_again() {
@@ -167,16 +170,18 @@ mod tests {
         for i in 0..200_000 {
             let s = Surface::hit(&scene, &Ray::new(Vec3::ZERO, sphere(sobol2(i, 1)))).expect("a closed body");
             let d = sphere(sobol2(i, 2));
-            // from inside the front is out; every third ray grazes
+            // from inside the front is out; every third ray grazes, but rises by more than the directions' own rounding
             let out = -s.ng;
             let d = if i % 3 == 0 { (d - out * d.dot(out) * 0.999).normalize() } else { d };
             let d = if d.dot(out) < 0.0 { -d } else { d };
-            assert!(
-                Surface::hit(&scene, &s.leave(d)).is_none(),
-                "{i}: a ray through the face meets it again"
-            );
-            let from = Ray::new(lift(s.position, out, s.triangle), d);
-            assert!(Surface::hit(&scene, &from).is_none(), "{i}: a ray off the face meets it again");
+            if d.dot(out) < GRAZING {
+                continue;
+            }
+            for (how, ray) in
+                [("through", s.leave(d)), ("off", Ray::new(lift(s.position, out, s.triangle), d))]
+            {
+                assert!(Surface::hit(&scene, &ray).is_none(), "{i}: a ray {how} the face meets it again");
+            }
             let again = Surface::hit(&scene, &s.leave(-d)).expect("a closed body");
             assert!(again.ng.dot(s.ng) < 0.99, "{i}: a ray inward meets the face that it left");
         }
