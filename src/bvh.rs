@@ -111,8 +111,9 @@ impl Bvh {
         t_back: f32,
     ) -> Option<Hit> {
         let mut nearest: Option<(Hit, f32)> = None;
+        let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
         self.wide.ray_traverse(ray(origin, direction, t_max), &mut RayHit::none(), |_, id| {
-            let Some(m) = meet(origin, direction, &triangles[id]) else { return f32::INFINITY };
+            let Some(m) = meet(from, along, &triangles[id]) else { return f32::INFINITY };
             if m.t >= t_max || (!m.is_front && m.t <= t_back) {
                 return f32::INFINITY;
             }
@@ -139,8 +140,9 @@ impl Bvh {
 
     /// True where some triangle lies in `(0, t_max)`, in units of the ray's direction.
     pub fn occluded<T: Face>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> bool {
+        let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
         !self.wide.ray_traverse_miss(ray(origin, direction, t_max), |_, id| {
-            match meet(origin, direction, &triangles[id]) {
+            match meet(from, along, &triangles[id]) {
                 Some(m) if m.t < t_max => 0.0,
                 _ => f32::INFINITY,
             }
@@ -150,8 +152,9 @@ impl Bvh {
     /// True where some triangle lies between two points.
     pub fn stands_between<T: Face>(&self, triangles: &[T], from: Vec3, to: Vec3) -> bool {
         let direction = to - from;
+        let (origin, along) = (Vec3A::from(from), Vec3A::from(direction));
         !self.wide.ray_traverse_miss(ray(from, direction, 1.0), |_, id| {
-            let Some(m) = meet(from, direction, &triangles[id]) else { return f32::INFINITY };
+            let Some(m) = meet(origin, along, &triangles[id]) else { return f32::INFINITY };
             let apart = m.t - 1.0;
             let is_before = if apart.abs() > m.t_error + END_ROUNDING {
                 apart < 0.0
@@ -163,8 +166,13 @@ impl Bvh {
     }
 
     /// Ask `visit` to look at every triangle whose bounds come within `reach` of a point along each axis, and at some others.
-    pub fn near(&self, point: Vec3, reach: f32, mut visit: impl FnMut(u32)) {
-        let about = Aabb::new((point - reach).into(), (point + reach).into());
+    pub fn near(&self, point: Vec3, reach: f32, visit: impl FnMut(u32)) {
+        self.within([point - reach, point + reach], visit);
+    }
+
+    /// Ask `visit` to look at every triangle whose bounds meet a box, and at some others.
+    pub fn within(&self, [low, high]: [Vec3; 2], mut visit: impl FnMut(u32)) {
+        let about = Aabb::new(low.into(), high.into());
         let mut state = self.wide.new_traversal(Vec3A::ONE);
         let mut node;
         traverse!(self.wide, node, state, node.intersect_aabb(&about, state.oct_inv4), {
@@ -230,9 +238,8 @@ struct Meeting {
 
 /// Where a ray meets a triangle from either side (Möller & Trumbore 1997).
 #[inline(always)]
-fn meet<T: Face>(origin: Vec3, direction: Vec3, triangle: &T) -> Option<Meeting> {
+fn meet<T: Face>(origin: Vec3A, direction: Vec3A, triangle: &T) -> Option<Meeting> {
     let [v0, e1, e2] = triangle.edges().map(Vec3A::from);
-    let (origin, direction) = (Vec3A::from(origin), Vec3A::from(direction));
     let p = direction.cross(e2);
     let det = e1.dot(p);
     let inv_det = 1.0 / det;

@@ -384,7 +384,7 @@ pub const UNSEEN_STORED: u32 = 8;
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
     use crate::pack::{
-        CLEAR, EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH,
+        CLEAR, EmitterKind, LAMP, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH,
         WARP_BINS, WARP_WORDS, rank,
     };
     use std::fmt::Write;
@@ -403,6 +403,7 @@ pub fn constants() -> String {
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
     u("CLEAR", CLEAR);
+    u("LAMP", LAMP);
     u("RANK_CLEAR_FRONT", rank::CLEAR_FRONT);
     u("RANK_CLEAR_BACK", rank::CLEAR_BACK);
     u("RANK_BACK", rank::BACK);

@@ -1,6 +1,7 @@
 // Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
 // import: shared/triangles.wgsl
 // import: shared/crossing.wgsl
+// import: shared/features.wgsl
 // reads  nodes, triangles        counts  steps: loop iterations of this invocation        tells  traversal_cut
 
 struct Hit {
@@ -76,8 +77,9 @@ fn trace_ray(
     origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, t_back: f32, any_hit: bool, end: vec3<f32>,
 ) -> Hit {
     var hit = Hit(MISS, t_limit, 0.0, 0.0);
-    // how far rounding may move hit.t
-    var hit_error = select(0.0, t_limit * DISTANCE_ROUNDING, any_hit);
+    // how far rounding may move hit.t, and what was hit
+    var hit_error = 0.0;
+    var face = Face(vec3(0.0), 0.0, vec3(0.0), 0u);
     var stack: array<vec2<u32>, TRAVERSAL_STACK>;
     var depth = 0u;
     let safe = select(direction, select(vec3(-TINY), vec3(TINY), direction >= vec3(0.0)), abs(direction) < vec3(TINY));
@@ -142,24 +144,29 @@ fn trace_ray(
             let long_2 = largest(e2);
             let slack_u = min(EDGE_SLACK + rounding * long_2, EDGE_SLACK_MAX);
             let slack_v = min(EDGE_SLACK + rounding * long_1, EDGE_SLACK_MAX);
-            let error = rounding * long_1 * long_2;
-            if u >= -slack_u && v >= -slack_v && u + v <= 1.0 + max(slack_u, slack_v)
-                && t > select(0.0, t_back, det < 0.0) && t < hit.t + hit_error + error {
-                var is_first = t < hit.t - hit_error - error;
-                if !is_first {
-                    // too near to the other for rounded distances to tell
-                    if any_hit {
-                        is_first = crossing(index, end, direction).t < 0.0;
-                    } else if hit.triangle == MISS {
-                        is_first = t < hit.t;
-                    } else {
-                        is_first = is_met_first(index, hit.triangle, origin + direction * hit.t, direction);
-                    }
+            let is_inside = u >= -slack_u && v >= -slack_v && u + v <= 1.0 + max(slack_u, slack_v)
+                && t > select(0.0, t_back, det < 0.0);
+            if any_hit {
+                let error = rounding * long_1 * long_2 + t_limit * DISTANCE_ROUNDING;
+                // where rounded distances do not tell, the end tells on which side of the plane it is
+                let is_near_end = abs(t - t_limit) < error;
+                let is_before = select((t < t_limit), (dot(v0 - end, cross(e1, e2)) * det > 0.0), is_near_end);
+                if is_inside && is_before {
+                    hit = Hit(index, t, u, v);
                 }
-                if is_first {
+            } else if HAS_CONTACTS {
+                let error = rounding * long_1 * long_2;
+                let candidate = face_of(corners);
+                let is_near = abs(t - hit.t) <= error + hit_error;
+                let near = origin + direction * hit.t;
+                let is_lower = index < hit.triangle;
+                if is_inside && select((t < hit.t), is_met_first(candidate, face, is_lower, near, direction), is_near) {
                     hit = Hit(index, t, u, v);
                     hit_error = error;
+                    face = candidate;
                 }
+            } else if is_inside && t < hit.t {
+                hit = Hit(index, t, u, v);
             }
             steps += 1u;
         }

@@ -42,6 +42,7 @@ impl Kernels {
             ("HAS_DIELECTRIC", flag(f.dielectric)),
             ("HAS_GLOSSY", flag(f.glossy)),
             ("HAS_DELTA_LIGHTS", flag(f.delta_lights)),
+            ("HAS_CONTACTS", flag(f.contacts)),
             ("HAS_PATH_FILTER", flag(f.path_filter)),
             (
                 "CAMERA_STEPS",

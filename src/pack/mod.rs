@@ -6,6 +6,7 @@
 //! world flux = internal flux × `world_scale`².
 
 mod area_points;
+mod contacts;
 mod emitters;
 mod guide;
 mod marks;
@@ -17,7 +18,9 @@ pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use emitters::{EmitterKind, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use marks::{MARK_FACTORS, MARK_WORDS, Marks};
-pub use surfaces::{CLEAR, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
+pub use surfaces::{
+    CLEAR, LAMP, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner,
+};
 pub(crate) use surfaces::{rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
 
@@ -58,6 +61,8 @@ pub struct PackedScene {
     pub bounds: [Vec3; 2],
     /// Area of all surfaces that have a diffuse or glossy lobe (one side).
     pub diffuse_area: f64,
+    /// Some faces may lie in one place: which of them a ray meets is to be asked [E26].
+    pub has_contacts: bool,
     /// What the scene has beside this.
     pub out_of_reach: OutOfReach,
 }
@@ -145,6 +150,7 @@ impl PackedScene {
             .map(|t| f64::from(t.area()))
             .sum();
         let targets = targets::find(&triangles, &materials);
+        let has_contacts = contacts::any(&bvh, &triangles);
         let [right, up, forward] = scene.camera.basis();
         let [tx, ty] = scene.camera.tan_half_fov;
         let packed = Self {
@@ -166,6 +172,7 @@ impl PackedScene {
             targets,
             bounds: internal_bounds,
             diffuse_area,
+            has_contacts,
             out_of_reach: OutOfReach::default(),
         };
         (packed, order)

@@ -14,6 +14,8 @@ pub const NO_EMITTER: u32 = u32::MAX;
 pub const SMOOTH: u32 = 1;
 /// Bit of [`PackedTriangle::flags`]: light passes through.
 pub const CLEAR: u32 = 2;
+/// Bit of [`PackedTriangle::flags`]: the front emits.
+pub const LAMP: u32 = 4;
 
 /// Ranks of faces in one place ([`Face::rank`]): opaque before clear, since glass that touches an opaque face is in optical
 /// contact with it; of opaque faces those that look toward the ray, lamps first; of clear ones the way out before the way in.
@@ -34,7 +36,7 @@ gpu_struct! {
         pub material: u32,
         /// Second vertex minus first.
         pub e1: Vec3,
-        /// [`SMOOTH`], [`CLEAR`].
+        /// Bits: [`SMOOTH`], [`CLEAR`], [`LAMP`].
         pub flags: u32,
         /// Third vertex minus first.
         pub e2: Vec3,
@@ -66,13 +68,13 @@ impl Face for PackedTriangle {
         [self.v0, self.e1, self.e2]
     }
 
-    // twin: shaders/shared/intersect.wgsl
+    // twin: shaders/shared/crossing.wgsl
     fn rank(&self, is_front: bool) -> u32 {
         match (self.flags & CLEAR != 0, is_front) {
             (true, true) => rank::CLEAR_FRONT,
             (true, false) => rank::CLEAR_BACK,
             (false, false) => rank::BACK,
-            (false, true) if self.emitter == NO_EMITTER => rank::FRONT,
+            (false, true) if self.flags & LAMP == 0 => rank::FRONT,
             (false, true) => rank::LAMP,
         }
     }
@@ -204,6 +206,13 @@ pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> 
     (0..vertices.len() as u32).filter(is_new).collect()
 }
 
+/// Bits of [`PackedTriangle::flags`].
+fn flags(is_smooth: bool, material: &Material) -> u32 {
+    let bit = |on: bool, bit: u32| if on { bit } else { 0 };
+    let is_clear = material.dielectric.is_some();
+    bit(is_smooth, SMOOTH) | bit(is_clear, CLEAR) | bit(!is_black(&material.emission), LAMP)
+}
+
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
 /// `emitter` holds 0 where the material emits.
 pub(super) fn pack(
@@ -223,8 +232,7 @@ pub(super) fn pack(
             v0: a,
             material: t.material,
             e1: b - a,
-            flags: if t.normal.is_some() { SMOOTH } else { 0 }
-                | if scene.materials[t.material as usize].dielectric.is_some() { CLEAR } else { 0 },
+            flags: flags(t.normal.is_some(), &scene.materials[t.material as usize]),
             e2: c - a,
             emitter: NO_EMITTER,
         };

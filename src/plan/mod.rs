@@ -108,6 +108,8 @@ pub struct Features {
     pub glossy: bool,
     /// Some emitter is not a triangle.
     pub delta_lights: bool,
+    /// Some faces may lie in one place.
+    pub contacts: bool,
     /// Only some light paths are wanted.
     pub path_filter: bool,
 }
@@ -307,6 +309,7 @@ fn features(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> Feat
             Part::DeltaLights,
             Reason::AllLightsAreSurfaces,
         ),
+        contacts: needs(scene.has_contacts, Part::Contacts, Reason::NothingTouches),
         path_filter: needs(!settings.paths.is_everything(), Part::PathFilter, Reason::AllPathsWanted),
     }
 }
