@@ -338,6 +338,14 @@ pub const GATHER_PLANE_SHARE: f32 = 0.2;
 /// Area points of the opposite orientation count only this near the plane: two sheets of a thin board are not one.
 pub const GATHER_SHEET_SHARE: f32 = 0.01;
 
+/// A fit of a disc is solved where the determinant of its second moments is at least this part of a whole disc's …
+pub const FIT_DETERMINANT_MIN: f32 = 0.05;
+/// … which a quarter has .07 of, the corner of a plate; and raises the variance of a joton's weight by less than this factor.
+/// Elsewhere the area alone is corrected: a sliver has no slope.
+pub const FIT_AMPLIFICATION_MAX: f32 = 20.0;
+/// Determinant of the second moments of a whole disc of radius 1 over its area.
+pub const DISC_DETERMINANT: f32 = 1.0 / 16.0;
+
 /// Rays along the surface that look for walls about a gather point …
 pub const CLIP_RAYS: u32 = 8;
 /// … this part of the radius above it. What is lower than that is no wall.
@@ -461,6 +469,9 @@ pub fn constants() -> String {
     f("GATHER_NORMAL_COS", GATHER_NORMAL_COS);
     f("GATHER_PLANE_SHARE", GATHER_PLANE_SHARE);
     f("GATHER_SHEET_SHARE", GATHER_SHEET_SHARE);
+    f("FIT_DETERMINANT_MIN", FIT_DETERMINANT_MIN);
+    f("DISC_DETERMINANT", DISC_DETERMINANT);
+    f("FIT_AMPLIFICATION_MAX", FIT_AMPLIFICATION_MAX);
     f("CLIP_LIFT", CLIP_LIFT);
     f("CLIP_STEEP", CLIP_STEEP);
     f("CLIP_REACH", CLIP_REACH);
