@@ -49,7 +49,7 @@ pub type Table = [[u32; 4]; 16];
 gpu_struct! {
     /// What is the same for all kernels of a pass; a uniform, one slot for each pass of a submission.
     pub struct PassInfo {
-        /// Eye point.
+        /// Where the camera's middle ray starts: the eye, or a place before the scene where that is far away.
         pub eye: Vec3,
         /// Image width, pixels.
         pub width: u32,
@@ -89,6 +89,14 @@ gpu_struct! {
         pub glint_count: u32,
         /// Passes of which one has a tree, in pixels of level [`GLINT_TURNS`].
         pub glint_turns: u32,
+        /// Distance from the eye to `eye`, in units of a ray's `forward`, `right` and `up`.
+        pub eye_ahead: f32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+        /// Padding.
+        pub pad2: u32,
     }
 }
 
@@ -352,6 +360,13 @@ pub const EDGE_CUT: u32 = 1;
 /// See [`EDGE_CUT`].
 pub const EDGE_OTHERS: u32 = 2;
 
+/// Where there are lights without area, eye paths stop at a narrow lobe to look for them this many times as often as they
+/// follow it, at least.
+pub const NARROW_STOPS: f32 = 1.0;
+
+/// All surfaces lie nearer than this to the internal origin, internal units.
+pub const SCENE_RADIUS: f32 = 1024.0;
+
 /// Events after which no path goes on for sure …
 pub const SURE_EVENTS: u32 = 64;
 /// … but with this probability at most, at each event [E3]: so paths end between perfect mirrors and inside bodies that
@@ -370,7 +385,7 @@ pub const UNSEEN_STORED: u32 = 8;
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
     use crate::pack::{
-        EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS,
+        EmitterKind, FAR, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS,
         WARP_WORDS,
     };
     use std::fmt::Write;
@@ -434,6 +449,9 @@ pub fn constants() -> String {
         writeln!(s, "const {name}: f32 = {value:?};").expect("writing to a string");
     };
     f("SURVIVAL_MAX", SURVIVAL_MAX);
+    f("SCENE_RADIUS", SCENE_RADIUS);
+    f("NARROW_STOPS", NARROW_STOPS);
+    f("FAR", FAR);
     f("GATHER_NORMAL_COS", GATHER_NORMAL_COS);
     f("GATHER_PLANE_SHARE", GATHER_PLANE_SHARE);
     f("GATHER_SHEET_SHARE", GATHER_SHEET_SHARE);

@@ -38,6 +38,7 @@ sources![
     "shared/scatter.wgsl",
     "shared/emitter.wgsl",
     "shared/emit.wgsl",
+    "shared/cone.wgsl",
     "shared/warp.wgsl",
     "shared/marks.wgsl",
     "shared/camera.wgsl",

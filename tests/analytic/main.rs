@@ -15,4 +15,6 @@ mod factors;
 mod furnace;
 mod glass;
 mod harness;
+mod lobes;
 mod partition;
+mod scale;
