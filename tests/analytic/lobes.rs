@@ -97,11 +97,11 @@ fn narrow_spots_send_all_of_their_flux() {
             if who == Renderer::PathTracer {
                 continue;
             }
-            let shot = render(who, &scene(true).0, "LS+DE", 24);
+            let shot = render(who, &scene(true).0, "LS+DE", 64);
             let r = 0.04;
             let through = want * (1.0 - r) / (1.0 + r);
             let name = format!("spot of {degrees}° through a slab");
-            shot.claim(&name, shot.layer(Layer::Caustic), [through; 3], 0.02);
+            shot.claim(&name, shot.layer(Layer::Caustic), [through; 3], 0.03);
         }
     }
 }
