@@ -50,11 +50,11 @@ fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
     if e.kind == EMITTER_SUN {
         return LightSample(-e.e1, 1e30, vec3(0.0), e.strength / e.pick, 0.0);
     }
-    let d = e.origin - p;
+    let d = from_light(e, p);
     let distance2 = max(dot(d, d), 1e-30);
-    let wi = d * inverseSqrt(distance2);
-    let fall = select(1.0, spot_falloff(-dot(wi, e.e1), e.e2.x, e.e2.y), e.kind == EMITTER_SPOT);
-    return LightSample(wi, sqrt(distance2), e.origin, e.strength * (fall / (distance2 * e.pick)), 0.0);
+    let fall = select(1.0, spot_falloff(one_minus_cos(d, e.e1), e.e2.x, e.e2.y), e.kind == EMITTER_SPOT);
+    let wi = -d * inverseSqrt(distance2);
+    return LightSample(wi, sqrt(distance2), p - d, e.strength * (fall / (distance2 * e.pick)), 0.0);
 }
 
 // Emitters whose distance is worth a look, one by one.
@@ -145,7 +145,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                     let pdf = candidates * light.pdf;
                     weight *= pdf / (pdf + pdf_brdf(m, shading, light.wi, wo));
                 }
-                let gives = eval_brdf(m, shading, light.wi, wo) * light.weight * weight;
+                var f = eval_brdf(m, shading, light.wi, wo);
+                if light.pdf <= 0.0 {
+                    // what has an area is met where the lobe is followed
+                    f += eval_narrow(m, shading, light.wi, wo);
+                }
+                let gives = f * light.weight * weight;
                 let size = max_band(gives);
                 if size > 0.0 {
                     found += 1u;

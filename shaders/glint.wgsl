@@ -55,7 +55,8 @@ fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
     var waits = 0u;
     var found = Seen(Bands(0.0), false, false, 0u);
     var node = 0u;
-    var way = Way(pass_info.eye, 0u, camera_direction(pixel, jitter), Splits(1.0, 1.0), Bands(1.0), 0.0);
+    let camera = camera_ray(pixel, jitter);
+    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0);
     var alive = true;
     // each turn is a ray of whatever way: lanes that run in step do not wait for the ends of each other's ways
     while alive || waits > 0u {

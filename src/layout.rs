@@ -49,7 +49,7 @@ pub type Table = [[u32; 4]; 16];
 gpu_struct! {
     /// What is the same for all kernels of a pass; a uniform, one slot for each pass of a submission.
     pub struct PassInfo {
-        /// Eye point.
+        /// Where the camera's middle ray starts: the eye, or a place before the scene where that is far away.
         pub eye: Vec3,
         /// Image width, pixels.
         pub width: u32,
@@ -89,6 +89,14 @@ gpu_struct! {
         pub glint_count: u32,
         /// Passes of which one has a tree, in pixels of level [`GLINT_TURNS`].
         pub glint_turns: u32,
+        /// Distance from the eye to `eye`, in units of a ray's `forward`, `right` and `up`.
+        pub eye_ahead: f32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+        /// Padding.
+        pub pad2: u32,
     }
 }
 
@@ -373,6 +381,12 @@ pub const EDGE_OTHERS: u32 = 2;
 pub const LIFT: f32 = 8.0 / (1 << 24) as f32;
 /// … and by no less than this, internal units: a plane through the origin of the scene is exact.
 pub const LIFT_LEAST: f32 = 1.0 / (1 << 20) as f32;
+/// Where there are lights without area, eye paths stop at a narrow lobe to look for them this many times as often as they
+/// follow it, at least.
+pub const NARROW_STOPS: f32 = 1.0;
+
+/// All surfaces lie nearer than this to the internal origin, internal units.
+pub const SCENE_RADIUS: f32 = 1024.0;
 
 /// Events after which no path goes on for sure …
 pub const SURE_EVENTS: u32 = 64;
@@ -392,8 +406,8 @@ pub const UNSEEN_STORED: u32 = 8;
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
     use crate::pack::{
-        CLEAR, EmitterKind, LAMP, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH,
-        WARP_BINS, WARP_WORDS, rank,
+        CLEAR, EmitterKind, FAR, LAMP, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER,
+        SMOOTH, WARP_BINS, WARP_WORDS, rank,
     };
     use std::fmt::Write;
     let mut s = String::new();
@@ -466,6 +480,9 @@ pub fn constants() -> String {
     f("LIFT", LIFT);
     f("LIFT_LEAST", LIFT_LEAST);
     f("ONE_PLACE", crate::bvh::ONE_PLACE);
+    f("SCENE_RADIUS", SCENE_RADIUS);
+    f("NARROW_STOPS", NARROW_STOPS);
+    f("FAR", FAR);
     f("GATHER_NORMAL_COS", GATHER_NORMAL_COS);
     f("GATHER_PLANE_SHARE", GATHER_PLANE_SHARE);
     f("GATHER_SHEET_SHARE", GATHER_SHEET_SHARE);

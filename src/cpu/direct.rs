@@ -8,7 +8,7 @@ use super::eye::GatherPoint;
 use super::streams::{DIMENSION_BSDF, STREAM_LIGHT};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
-use crate::optics::bsdf::{eval_d, pdf_d, sample_d};
+use crate::optics::bsdf::{eval_d, eval_narrow, pdf_d, sample_d};
 use crate::optics::emit::kind;
 use crate::optics::light::{LightSample, pdf_light, sample_light};
 use crate::optics::ray::{Ray, Surface, lift, visible};
@@ -107,7 +107,10 @@ fn unshadowed(g: &GatherPoint, l: &LightSample, number: f32, shared: bool) -> Ba
     }
     let pdf = number * l.pdf;
     let weight = if shared && pdf > 0.0 { pdf / (pdf + pdf_d(g.material, l.wi, g.wo, g.ns)) } else { 1.0 };
-    scale(&mul(&eval_d(g.material, l.wi, g.wo, g.ns), &l.irradiance), cos_s * weight)
+    let matte = eval_d(g.material, l.wi, g.wo, g.ns);
+    // what has an area is met where the lobe is followed
+    let f = if l.pdf > 0.0 { matte } else { add(&matte, &eval_narrow(g.material, l.wi, g.wo, g.ns)) };
+    scale(&mul(&f, &l.irradiance), cos_s * weight)
 }
 
 /// Light that one sample of the D lobes finds, beside `number` candidates.

@@ -12,7 +12,7 @@ use crate::glints::{Glints, Light, Look, is_mixed};
 use crate::layout::{PILOT_TREES, WAITING_MAX};
 use crate::optics::bsdf::{reflectance_d, sample_mirror};
 use crate::optics::ray::{Ray, Surface};
-use crate::pack::PackedScene;
+use crate::pack::{CameraRay, PackedScene};
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};
 use rayon::prelude::*;
@@ -49,7 +49,8 @@ fn tree(
     tally: &mut Tally,
 ) -> Seen {
     let place = sobol2(number, sequence_seed(seed, pixel, STREAM_GLINT_JITTER));
-    let ray = ray_through(scene, pixel, place);
+    let CameraRay { origin, direction, .. } = ray_through(scene, pixel, place);
+    let ray = Ray::new(origin, direction);
     let mut waiting =
         [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0 }; WAITING_MAX as usize];
     let mut count = 1;

@@ -4,6 +4,7 @@ use super::eye::camera_ray;
 use super::streams::*;
 use crate::bands::Bands;
 use crate::optics::bsdf::sample_mirror;
+use crate::optics::cone::{Beam, into_targets};
 use crate::optics::emit::{self, Start};
 use crate::optics::ray::Surface;
 use crate::pack::{Guide, NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
@@ -56,7 +57,8 @@ pub fn emit(
 
 /// A direction from `origin` into the cones of the targets and its pdf_solid_angle.
 pub fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
-    emit::into_cones(targets, origin, u)
+    let (ray, pdf) = into_targets(targets, &Beam { through: origin, axis: Vec3::Z, distance: 0.0 }, u)?;
+    Some((ray.direction, pdf))
 }
 
 /// Number of the emitter that `u` picks, and what is left of `u`.

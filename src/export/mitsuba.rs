@@ -102,8 +102,8 @@ fn emitter(light: &Light) -> String {
             triple("point", "position", *position),
             rgb("intensity", intensity)
         ),
-        Light::Spot { position, direction, intensity, cos_outer, .. } => {
-            let angle = cos_outer.acos().to_degrees();
+        Light::Spot { position, direction, intensity, angle_outer, .. } => {
+            let angle = angle_outer.to_degrees();
             format!(
                 "<emitter type=\"spot\">{}{}{}{}</emitter>",
                 look_at(*position, *position + *direction, direction.any_orthogonal_vector()),

@@ -55,8 +55,8 @@ impl Bsdf {
 /// The lights, if each has a counterpart.
 pub(super) fn check_lights<'a>(scene: &'a Scene, source: &Path) -> Result<&'a [Light]> {
     for (i, light) in scene.lights.iter().enumerate() {
-        if let Light::Spot { cos_inner, cos_outer, .. } = light
-            && cos_inner != cos_outer
+        if let Light::Spot { angle_inner, angle_outer, .. } = light
+            && angle_inner != angle_outer
         {
             return Err(unsupported(
                 source,

@@ -170,7 +170,7 @@ impl GpuBackend {
     fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
         let c = &self.scene.camera;
         PassInfo {
-            eye: c.eye,
+            eye: c.start,
             width: self.scene.size[0],
             right: c.right,
             height: self.scene.size[1],
@@ -190,6 +190,10 @@ impl GpuBackend {
             glint_first: 0,
             glint_count: 0,
             glint_turns: self.glints.turns(),
+            eye_ahead: c.ahead,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 

@@ -39,6 +39,7 @@ sources![
     "shared/scatter.wgsl",
     "shared/emitter.wgsl",
     "shared/emit.wgsl",
+    "shared/cone.wgsl",
     "shared/warp.wgsl",
     "shared/marks.wgsl",
     "shared/camera.wgsl",

@@ -5,7 +5,7 @@
 
 use super::ray::Surface;
 use super::sampling::{cosine_hemisphere, phong_lobe, to_world};
-use crate::bands::{Bands, add, max, scale};
+use crate::bands::{BLACK, Bands, add, max, scale};
 use crate::pack::PackedMaterial;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
@@ -40,10 +40,18 @@ pub fn reflectance_d(m: &PackedMaterial) -> Bands {
     add(&m.diffuse, &m.glossy)
 }
 
-/// cosᵉα of the glossy lobe.
-fn lobe(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-    let cos_alpha = mirror(wi, n).dot(wo);
-    if cos_alpha <= 0.0 { 0.0 } else { cos_alpha.powf(m.glossy_exponent) }
+/// cosᵉα of a Phong lobe, from 1 − cosα: near one a cosine has no digits for a large exponent.
+fn lobe(exponent: f32, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+    let below = 0.5 * (mirror(wi, n) - wo).length_squared();
+    if below >= 1.0 { 0.0 } else { (exponent * (-below).ln_1p()).exp() }
+}
+
+/// f_r of a lobe that is followed, 1/sr, for lights without area: following it never meets them [E6].
+pub fn eval_narrow(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+    if !m.has_narrow_lobe() {
+        return BLACK;
+    }
+    scale(&m.specular, (m.specular_exponent + 2.0) / TAU * lobe(m.specular_exponent, wi, wo, n))
 }
 
 /// f_r of the D lobes, 1/sr.
@@ -52,7 +60,7 @@ pub fn eval_d(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
     if !m.flags().has_glossy() {
         return matte;
     }
-    add(&matte, &scale(&m.glossy, (m.glossy_exponent + 2.0) / TAU * lobe(m, wi, wo, n)))
+    add(&matte, &scale(&m.glossy, (m.glossy_exponent + 2.0) / TAU * lobe(m.glossy_exponent, wi, wo, n)))
 }
 
 /// Probability of sampling the Lambert lobe.
@@ -68,7 +76,7 @@ pub fn pdf_d(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
     if matte == 1.0 {
         return pdf;
     }
-    pdf + (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * lobe(m, wi, wo, n)
+    pdf + (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * lobe(m.glossy_exponent, wi, wo, n)
 }
 
 /// A direction from the D lobes given the other, `wo`, both about `n`. None where it falls below the surface.
@@ -188,7 +196,7 @@ mod tests {
             if let Some(wi) = sample_d(&m, wo, n, c, [a, b]) {
                 by_lobe += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z / pdf_d(&m, wi, wo, n));
             }
-            let wi = super::super::sampling::cone([a, b], 0.0);
+            let wi = super::super::sampling::cone([a, b], 1.0);
             by_cone += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z * TAU);
             total_pdf += f64::from(pdf_d(&m, wi, wo, n) * TAU);
             assert!((eval_d(&m, wi, wo, n)[0] - eval_d(&m, wo, wi, n)[0]).abs() < 1e-4);

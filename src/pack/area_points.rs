@@ -115,7 +115,7 @@ fn has_closed_solids(scene: &PackedScene) -> bool {
             } else {
                 let z = 1.0 - 2.0 * v[0];
                 let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * v[1]);
-                (e.origin, Vec3::new(r * phi.cos(), r * phi.sin(), z))
+                (e.position(), Vec3::new(r * phi.cos(), r * phi.sin(), z))
             };
             meets_back(scene, origin, direction)
         })

@@ -1,6 +1,6 @@
 //! Triangles and materials as plain arrays.
 
-use crate::bands::{BLACK, Bands, add, is_black};
+use crate::bands::{BLACK, Bands, is_black};
 use crate::bvh::Face;
 use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
@@ -80,8 +80,9 @@ impl Face for PackedTriangle {
     }
 }
 
-/// Glossy lobes sharper than this Phong exponent are S events: sampled like mirrors, never looked up in a map.
-const SHARP_EXPONENT: f32 = 300.0;
+/// Glossy lobes sharper than this Phong exponent are followed as mirrors are, never looked up in a map: none is dense enough.
+/// Lights without area are never met so; shadow rays find them in such a lobe as in every other [E6].
+const FOLLOWED_EXPONENT: f32 = 300.0;
 
 /// What a material can do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,7 +134,7 @@ gpu_struct! {
         pub glossy_exponent: f32,
         /// Transmission tint of a dielectric; black where opaque.
         pub transmission: Bands,
-        /// Phong exponent about the mirror direction of what `specular` reflects; 0 is a perfect mirror.
+        /// Phong exponent about the mirror direction of what `specular` reflects, a lobe that is followed; 0 is a mirror.
         pub specular_exponent: f32,
         /// Radiance emitted from the front, W/(m² sr).
         pub emission: Bands,
@@ -149,9 +150,9 @@ impl PackedMaterial {
         let mut set = |on: bool, bit: u32| bits |= if on { bit } else { 0 };
         set(m.dielectric.is_some(), MaterialFlags::DIELECTRIC);
         let opaque = m.dielectric.is_none();
-        let sharp = m.glossy_exponent > SHARP_EXPONENT;
-        let (glossy, specular) =
-            if sharp { (BLACK, add(&m.specular, &m.glossy)) } else { (m.glossy, m.specular) };
+        // beside a mirror there is no room for a second lobe that is followed
+        let followed = m.glossy_exponent > FOLLOWED_EXPONENT && is_black(&m.specular);
+        let (glossy, specular) = if followed { (BLACK, m.glossy) } else { (m.glossy, m.specular) };
         set(opaque && !is_black(&m.diffuse), MaterialFlags::DIFFUSE);
         set(opaque && !is_black(&glossy), MaterialFlags::GLOSSY);
         set(opaque && !is_black(&specular), MaterialFlags::SPECULAR);
@@ -165,10 +166,15 @@ impl PackedMaterial {
             glossy: if opaque { glossy } else { BLACK },
             glossy_exponent: m.glossy_exponent,
             transmission: d.map_or(BLACK, |d| d.transmission_tint),
-            specular_exponent: if sharp && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
+            specular_exponent: if followed && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
             pad1: 0,
         }
+    }
+
+    /// True for a lobe of finite width that is followed as a mirror is.
+    pub fn has_narrow_lobe(&self) -> bool {
+        self.specular_exponent > 0.0
     }
 
     /// What the material can do.

@@ -4,7 +4,7 @@ use crate::bands::{BANDS, Bands, mul, scale};
 use crate::optics::bsdf::{Boundary, sample_d, specular_direction};
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface, lift};
-use crate::pack::{Marks, PackedScene};
+use crate::pack::{CameraRay, Marks, PackedScene};
 use crate::rng::{random4, sequence_seed, sobol2};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -119,10 +119,9 @@ impl Seen {
 
 /// Where camera path `number` ends.
 fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint> {
-    let c = &scene.camera;
-    let direction = c.direction(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
-    let mut ray = Ray::new(c.eye, direction);
-    let mut length = 0.0;
+    let CameraRay { origin, direction, travelled: mut length } =
+        scene.camera.ray(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
+    let mut ray = Ray::new(origin, direction);
     for event in 0..CHAIN {
         let s = Surface::hit(scene, &ray)?;
         length += s.distance;

@@ -97,8 +97,8 @@ fn start(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Option<(R
     let of = |s: Start| (Ray::new(s.origin, s.direction), s.flux);
     match path {
         Path::Camera => {
-            let c = &scene.camera;
-            Some((Ray::new(c.eye, c.direction(draw(0))), [1.0; BANDS]))
+            let camera = scene.camera.ray(draw(0));
+            Some((Ray::new(camera.origin, camera.direction), [1.0; BANDS]))
         }
         _ if scene.emitters.is_empty() => None,
         Path::Caustic => aimed(scene, &plan.guides.caustic, draw(0), draw(1), 1.0).map(of),

@@ -187,8 +187,8 @@ fn spot(table: Table) -> Result<Light> {
         position,
         direction,
         intensity: power(&table, "intensity")?,
-        cos_inner: angles[0].to_radians().cos(),
-        cos_outer: angles[1].to_radians().cos(),
+        angle_inner: angles[0].to_radians(),
+        angle_outer: angles[1].to_radians(),
     })
 }
 

@@ -107,8 +107,8 @@ fn total_reflection_keeps_the_beam_under_water() {
             position: v(-0.5, 0., -0.2),
             direction: v(angle.sin(), 0., angle.cos()),
             intensity: SUN,
-            cos_inner: 2.8f64.to_radians().cos(),
-            cos_outer: 3f64.to_radians().cos(),
+            angle_inner: 2.8f64.to_radians(),
+            angle_outer: 3f64.to_radians(),
         });
         b
     };

@@ -16,4 +16,6 @@ mod factors;
 mod furnace;
 mod glass;
 mod harness;
+mod lobes;
 mod partition;
+mod scale;

@@ -111,7 +111,7 @@ fn start(e: &PackedEmitter, [a, b, c, d]: [f64; 4]) -> (DVec3, DVec3, f64) {
         1 => (origin, sphere(), 4.0 * PI),
         2 => {
             let direction = sphere();
-            let x = ((direction.dot(e1) - e2.y) / (e2.x - e2.y)).clamp(0.0, 1.0);
+            let x = ((e2.y - 1.0 + direction.dot(e1)) / (e2.y - e2.x)).clamp(0.0, 1.0);
             (origin, direction, 4.0 * PI * x * x * (3.0 - 2.0 * x))
         }
         _ => {
@@ -132,8 +132,8 @@ fn spot(b: &mut Builder) {
         position: DVec3::new(1.0, 1.5, 0.5),
         direction: DVec3::new(-1.0, -1.7, -0.5).normalize(),
         intensity: [2.0; 3],
-        cos_inner: 0.98,
-        cos_outer: 0.85,
+        angle_inner: f64::acos(0.98),
+        angle_outer: f64::acos(0.85),
     });
 }
 

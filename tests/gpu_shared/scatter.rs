@@ -28,7 +28,7 @@ fn harness(context: &joton::gpu::Context) -> Harness<'_> {
             .iter()
             .map(PackedMaterial::new)
             .collect();
-    assert!(materials[3].specular_exponent > 0.0, "lobes this sharp are S events");
+    assert!(materials[3].specular_exponent > 0.0, "lobes this sharp are followed");
     harness.storage("materials", &materials);
     harness
 }
