@@ -5,6 +5,7 @@ use crate::bands::{BANDS, Bands};
 use crate::film::{Film, Layer, RELATIVE_OFFSET};
 use crate::layout::{GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS};
 use crate::neighbours::around;
+use crate::rng::purpose::STREAM_TURN;
 use crate::rng::sequence_seed;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -22,8 +23,6 @@ const PILOT_DOUBLINGS_MAX: u8 = 1;
 const WORTH: f32 = 512.0;
 /// What varies in a pixel may vary in one of its eight neighbours, too: lamps in glass are long and thin.
 const NEIGHBOURS: f32 = 9.0;
-/// Seeds of the passes in which a pixel's sparse trees grow.
-const STREAM_TURN: u32 = 0x7475_726e;
 
 /// What a pilot's trees saw of light in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,14 +102,17 @@ impl Glints {
     }
 
     /// The numbers of a pixel's trees of a pass. They only become more, at powers of two of passes: none comes twice.
-    pub fn numbers(&self, pixel: u32, pass: u32, seed: u32) -> Range<u32> {
+    pub fn numbers(&self, pixel: u32, pass: u32, seed: u32) -> Range<u64> {
         match self.levels[pixel as usize] {
             NONE => 0..0,
             NOW_AND_THEN if pass % self.turns != self.turn(pixel, seed) => 0..0,
-            NOW_AND_THEN => pass / self.turns..pass / self.turns + 1,
+            NOW_AND_THEN => {
+                let number = u64::from(pass / self.turns);
+                number..number + 1
+            }
             level => {
-                let first = pass.wrapping_mul(trees_of(level));
-                first..first.wrapping_add(trees_of(level))
+                let trees = u64::from(trees_of(level));
+                u64::from(pass) * trees..(u64::from(pass) + 1) * trees
             }
         }
     }
@@ -371,7 +373,7 @@ mod tests {
                 }
                 for (pixel, grown) in (0u32..).zip(grown) {
                     let wanted = if pixels.contains(&pixel) {
-                        glints.numbers(pixel, pass as u32, 5).len() as u32
+                        glints.numbers(pixel, pass as u32, 5).count() as u32
                     } else {
                         0
                     };

@@ -7,6 +7,7 @@ use crate::layout::{AreaPoint, CELLS_PER_RADIUS, row_bucket};
 use crate::pack::{PackedScene, scatter_area_points};
 use crate::plan::area_group;
 use crate::plan::buffers::{AREA_KEY_BITS, AREA_STARTS, area_points, area_points_most, area_points_wanted};
+use crate::rng::purpose::STREAM_AREA;
 use crate::rng::sequence_seed;
 use glam::Vec3;
 use std::ops::Range;
@@ -26,9 +27,6 @@ pub(super) struct AreaGrid {
     /// Columns of a row.
     pub columns: u32,
 }
-
-/// Stream of the scatter's seeds; those of the kernels lie below.
-const STREAM_AREA: u32 = 0x100;
 
 /// Scatter and sort about `count` points for discs of at most this radius.
 pub(super) fn build(scene: &PackedScene, radius: f64, count: usize, seed: u32) -> AreaGrid {

@@ -162,14 +162,16 @@ impl Map {
         })
     }
 
-    /// The uniform of a pass. `random_pass` addresses the random numbers, `pass` the radius.
+    /// The uniform of a pass. `random_pass` addresses the random numbers, of `planned` jotons a pass, `pass` the radius.
     pub(super) fn info(
         &self,
         scene: &PackedScene,
         schedule: &Schedule,
         pass: u64,
         random_pass: u32,
+        planned: u32,
     ) -> MapInfo {
+        let first = self.shape.indices(random_pass, planned).start;
         let radius = schedule.radius(pass) as f32;
         let extent = scene.bounds[1] - scene.bounds[0];
         let cells_per_unit = (CELLS_PER_RADIUS / radius).min(COLUMNS_MAX / extent.max_element());
@@ -187,9 +189,9 @@ impl Map {
             emitted: self.shape.emitted,
             lanes: self.shape.lanes,
             lane_capacity: self.shape.lane_capacity,
-            first_joton: random_pass.wrapping_mul(self.shape.emitted),
+            first_joton: first as u32,
+            first_joton_high: (first >> 32) as u32,
             pass_index: random_pass,
-            chunks: 0,
             area_each: 0.0,
             area_cells_per_unit: 0.0,
             area_row_mask: 0,

@@ -198,7 +198,7 @@ impl GpuBackend {
         let found = self.steps.as_ref().and_then(|s| s.maps.iter().find(|(m, _)| m.kind == kind));
         let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
         let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
-        let mut info = map.info(&self.scene, schedule, pass, random_pass);
+        let mut info = map.info(&self.scene, schedule, pass, random_pass, self.plan.jotons(kind));
         info.marks_per_unit = self.plan.marks.as_ref().map_or(0.0, |m| m.per_unit);
         if let (Kind::Diffuse, Some(area)) = (kind, &self.area) {
             info.area_each = area.each;

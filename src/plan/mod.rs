@@ -203,6 +203,14 @@ impl Plan {
         }
     }
 
+    /// Jotons emitted a pass for a map.
+    pub fn jotons(&self, kind: shape::Kind) -> u32 {
+        match kind {
+            shape::Kind::Caustic => self.caustic_jotons,
+            shape::Kind::Diffuse => self.diffuse_jotons,
+        }
+    }
+
     /// Emit half as many jotons for a map, with the radius that goes with them: a disc holds as many.
     pub fn halve_jotons(&mut self, scene: &PackedScene, kind: shape::Kind) {
         match kind {

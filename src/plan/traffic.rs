@@ -10,6 +10,7 @@ use crate::optics::emit::{Start, aimed, by_law};
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface};
 use crate::pack::PackedScene;
+use crate::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
 use crate::rng::{random4, sequence_seed, sobol2};
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -18,9 +19,6 @@ use std::ops::AddAssign;
 const PATHS: u32 = 1 << 12;
 /// Longest path that is followed.
 const EVENTS_MAX: u32 = 64;
-/// Purposes of random numbers; those of the backends lie below.
-const STREAMS: [u32; 3] = [0x203, 0x205, 0x207];
-const DIMENSION_TRAFFIC: u32 = 0x12_0000;
 
 /// What paths of one kind do, in the mean.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -93,7 +91,7 @@ impl Traffic {
 /// Where a path starts; none where nothing is emitted.
 fn start(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Option<(Ray, Bands)> {
     let seed = plan.settings.seed;
-    let draw = |k: u32| sobol2(number, sequence_seed(seed, k, STREAMS[path as usize]));
+    let draw = |k: u32| sobol2(number, sequence_seed(seed, k, STREAM_TRAFFIC[path as usize]));
     let of = |s: Start| (Ray { origin: s.origin, direction: s.direction }, s.flux);
     match path {
         Path::Camera => {
