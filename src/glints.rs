@@ -231,26 +231,35 @@ pub(crate) struct Watch {
     batches: u64,
     /// Sums over the batches of trees times squared radiance, the latter summed over bands.
     squares: Vec<f32>,
-    /// Trees so far; the eye path counts for one.
-    trees: Vec<f32>,
+    /// Passes so far.
+    passes: f32,
+    /// Trees beyond one a pass, which is the eye path's.
+    more: Vec<f32>,
 }
 
 impl Watch {
     /// Nothing was seen yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
-        Self { batches: 0, squares: vec![0.0; pixels], trees: vec![0.0; pixels] }
+        Self { batches: 0, squares: vec![0.0; pixels], passes: 0.0, more: vec![0.0; pixels] }
     }
 
     /// Look at the emission of `passes` passes, summed.
     pub(crate) fn watch(&mut self, passes: u64, emission: &[Bands], glints: &Glints) {
         self.batches += 1;
         let passes = passes as f32;
-        let sums = self.squares.iter_mut().zip(&mut self.trees);
-        for (pixel, (radiance, (square, trees))) in emission.iter().zip(sums).enumerate() {
+        self.passes += passes;
+        let sums = self.squares.iter_mut().zip(&mut self.more);
+        for (pixel, (radiance, (square, more))) in emission.iter().zip(sums).enumerate() {
             let each = glints.trees_a_pass(pixel).max(1.0);
-            *square += each / passes * radiance.iter().map(|x| x * x).sum::<f32>();
-            *trees += each * passes;
+            let squared = radiance.iter().map(|x| x * x).sum::<f32>();
+            // pages of zeros that are never written take no memory
+            if squared > 0.0 {
+                *square += each / passes * squared;
+            }
+            if each > 1.0 {
+                *more += (each - 1.0) * passes;
+            }
         }
     }
 
@@ -261,7 +270,8 @@ impl Watch {
         let seen = (self.batches - 1).max(1) as f32;
         let varies = |pixel: usize| {
             let squared = |sum: [f64; BANDS]| sum.iter().map(|x| (*x as f32 / passes).powi(2)).sum::<f32>();
-            let mean = squared(film.sum(Layer::Emission as usize, pixel)) * self.trees[pixel] / seen;
+            let mean =
+                squared(film.sum(Layer::Emission as usize, pixel)) * (self.passes + self.more[pixel]) / seen;
             relative_variance(self.squares[pixel] / seen, mean, squared(film.sum_of_layers(pixel)))
         };
         let found: Vec<f32> = (0..glints.levels.len()).into_par_iter().map(varies).collect();

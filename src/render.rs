@@ -196,6 +196,8 @@ pub fn render(
             None
         };
         if let Some(reason) = reason {
+            // the picture takes its place
+            drop(batch);
             return Ok(Rendered {
                 picture: sums.picture(),
                 passes,

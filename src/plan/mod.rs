@@ -1,7 +1,9 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
 pub mod buffers;
+mod discs;
 mod facts;
+pub mod grid;
 pub mod kernels;
 mod learn;
 mod pilot;
