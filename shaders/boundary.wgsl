@@ -53,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let is_pixel = pixel != NO_PIXEL;
     let at = select(0u, held(pixel), is_pixel);
     let point = gather_points[at];
-    let pilot = pass_info.pass_index == PILOT_PASS;
+    let pilot = own(pass_info.pass_index) == PILOT_PASS;
     let r = map_info.radius * select(1.0, PILOT_REACH, pilot);
     let disc = PI * r * r;
     let direct_view = ((point.surface >> 24u) & 63u) == 0u;

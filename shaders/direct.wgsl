@@ -64,11 +64,12 @@ const NEAR_WIDTH: f32 = 0.5;
 // True where p may lie so near to an emissive triangle that shadow rays alone have fireflies. It depends on the place
 // only, so the choice of estimator costs no bias.
 fn near_emitter(p: vec3<f32>) -> bool {
-    if pass_info.emitters > NEAR_EMITTERS_MAX {
+    let count = own(pass_info.emitters);
+    if count > NEAR_EMITTERS_MAX {
         return true;
     }
     var near = false;
-    for (var i = 0u; i < pass_info.emitters; i += 1u) {
+    for (var i = 0u; i < count; i += 1u) {
         let e1 = emitters[i].e1;
         let center = (e1 + emitters[i].e2) / 3.0;
         let d = emitters[i].origin + center - p;
@@ -124,7 +125,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var rays = 0u;
     var saved = 0u;
     let candidates = f32(pass_info.light_candidates);
-    for (var ray = 0u; ray < pass_info.shadow_rays; ray += 1u) {
+    for (var ray = 0u; ray < own(pass_info.shadow_rays); ray += 1u) {
         let u = random4(pass_info.seed, sample, pixel, DIMENSION_DIRECT + ray);
         // one of the candidates gets the shadow ray, by what each would give if nothing shaded it, for all of them [E24]
         var picked = LightSample(vec3(0.0), 0.0, Bands(0.0), 0.0);
@@ -133,7 +134,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         var found = 0u;
         let first = wide_sum(wide_product(sample, pass_info.shadow_rays * pass_info.light_candidates),
             ray * pass_info.light_candidates);
-        for (var k = 0u; k < pass_info.light_candidates; k += 1u) {
+        for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
             let at = wide_sum(first, k);
             let seed = sequence_seed(seed_at(pass_info.seed, at.y), pixel, STREAM_LIGHT);
             let light = sample_light(origin, sobol2(at.x, seed));

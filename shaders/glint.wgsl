@@ -142,7 +142,7 @@ fn after(
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let index = linear_index(id, groups);
-    let pilot = pass_info.pass_index == PILOT_PASS;
+    let pilot = own(pass_info.pass_index) == PILOT_PASS;
     var pixel = NO_PIXEL;
     var trees = PILOT_TREES;
     var a_pass = 0.0;

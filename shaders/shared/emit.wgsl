@@ -1,6 +1,7 @@
 // Emission: where joton `number` starts, which way, and with what flux.
 // Φ = flux of the emitter / (pick N) by the emitter's own law [E2]; aimed: Le cosθ A / (pick N pdf_solid_angle) [E13]. Each
 // map has its emitters, with pick probabilities, and some a warp, that were learned [E20].
+// import: shared/index.wgsl
 // import: shared/rng.wgsl
 // import: shared/emitter.wgsl
 // import: shared/warp.wgsl
@@ -95,7 +96,8 @@ fn cone_size(p: vec3<f32>, t: Target) -> f32 {
 fn aim_at_targets(p: vec3<f32>, v: vec2<f32>, choice: f32) -> Aim {
     var aim = Aim(vec3(0.0), 0u, 0.0, vec3(0.0));
     var inside = false;
-    for (var i = 0u; i < pass_info.targets; i += 1u) {
+    let count = own(pass_info.targets);
+    for (var i = 0u; i < count; i += 1u) {
         let size = cone_size(p, targets[i]);
         inside = inside || size >= 2.0;
         aim.total += size;
@@ -107,14 +109,14 @@ fn aim_at_targets(p: vec3<f32>, v: vec2<f32>, choice: f32) -> Aim {
     var rest = v.x * aim.total;
     var chosen = 0u;
     var size = cone_size(p, targets[0]);
-    while chosen + 1u < pass_info.targets && rest >= size {
+    while chosen + 1u < count && rest >= size {
         rest -= size;
         chosen += 1u;
         size = cone_size(p, targets[chosen]);
     }
     let axis = normalize(targets[chosen].center - p);
     aim.direction = normalize(basis(axis) * sample_cone(vec2(min(rest / size, 0.99999994), v.y), size));
-    for (var i = 0u; i < pass_info.targets; i += 1u) {
+    for (var i = 0u; i < count; i += 1u) {
         let d = normalize(targets[i].center - p);
         // the chosen cone counts whatever its rounding says
         aim.hits += select(0u, 1u, i == chosen || 1.0 - dot(aim.direction, d) <= cone_size(p, targets[i]));
@@ -126,14 +128,15 @@ fn aim_at_targets(p: vec3<f32>, v: vec2<f32>, choice: f32) -> Aim {
 // The sun's disc, or the discs of the targets along the beam.
 fn emit_sun(e: PackedEmitter, v: vec2<f32>, share: f32) -> Start {
     let frame = basis(e.e1);
-    if CAUSTIC && pass_info.targets > 0u {
+    let count = own(pass_info.targets);
+    if CAUSTIC && count > 0u {
         var total = 0.0;
-        for (var i = 0u; i < pass_info.targets; i += 1u) {
+        for (var i = 0u; i < count; i += 1u) {
             total += targets[i].radius * targets[i].radius;
         }
         var rest = v.x * total;
         var chosen = 0u;
-        while chosen + 1u < pass_info.targets && rest >= targets[chosen].radius * targets[chosen].radius {
+        while chosen + 1u < count && rest >= targets[chosen].radius * targets[chosen].radius {
             rest -= targets[chosen].radius * targets[chosen].radius;
             chosen += 1u;
         }
@@ -141,7 +144,7 @@ fn emit_sun(e: PackedEmitter, v: vec2<f32>, share: f32) -> Start {
         let d = sample_disc(vec2(min(rest / (t.radius * t.radius), 0.99999994), v.y)) * t.radius;
         let through = t.center + frame[0] * d.x + frame[1] * d.y;
         var hits = 0u;
-        for (var i = 0u; i < pass_info.targets; i += 1u) {
+        for (var i = 0u; i < count; i += 1u) {
             let off = through - targets[i].center;
             let across = off - e.e1 * dot(off, e.e1);
             hits += select(0u, 1u, i == chosen || dot(across, across) <= targets[i].radius * targets[i].radius);
