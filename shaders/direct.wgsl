@@ -121,7 +121,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
     let origin = point.position;
-    let seed = sequence_seed(pass_info.seed, pixel, STREAM_LIGHT);
     let shared_weight = (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || near_emitter(point.position);
     let sample = sequence_index(index);
     var sum = Bands(0.0);
@@ -135,9 +134,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         var given = Bands(0.0);
         var reservoir = Reservoir(0.0, u.w);
         var found = 0u;
-        let first = (sample * pass_info.shadow_rays + ray) * pass_info.light_candidates;
+        let first = wide_sum(wide_product(sample, pass_info.shadow_rays * pass_info.light_candidates),
+            ray * pass_info.light_candidates);
         for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
-            let light = sample_light(origin, sobol2(first + k, seed));
+            let at = wide_sum(first, k);
+            let seed = sequence_seed(seed_at(pass_info.seed, at.y), pixel, STREAM_LIGHT);
+            let light = sample_light(origin, sobol2(at.x, seed));
             let cos_receiver = dot(light.wi, shading);
             if cos_receiver > 0.0 && dot(light.wi, geometric) > 0.0 && max_band(light.weight) > 0.0 {
                 var weight = cos_receiver;

@@ -6,6 +6,9 @@ use crate::film::{LAYERS, Layer};
 use crate::glints::Glints;
 use crate::rest::Rest;
 
+/// Most passes of a render: random numbers know a pass by 32 bits, and the last of them is the pilot's.
+pub const PASSES_MAX: u64 = u32::MAX as u64;
+
 /// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
 /// gives the same sums up to rounding.
 pub trait Backend {
@@ -66,7 +69,7 @@ pub trait Backend {
         Ok(())
     }
 
-    /// Render passes `first .. first + count`, numbered from 0.
+    /// Render passes `first .. first + count`, numbered from 0, below [`PASSES_MAX`].
     ///
     /// # Errors
     /// [`crate::Error::Device`] where the device fails, [`crate::Error::Capacity`] where a pass does not fit.

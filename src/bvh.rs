@@ -5,7 +5,7 @@
 
 use glam::{UVec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris, node::CwBvhNode};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{BvhBuildParams, traverse, triangle::Triangle};
 use std::time::Duration;
@@ -163,6 +163,37 @@ impl Bvh {
             };
             if is_before { 0.0 } else { f32::INFINITY }
         })
+    }
+
+    /// Nodes and triangles that a kernel looks at to find the nearest triangle in `(0, t_max)`, or just any; `direction` is a unit
+    /// vector.
+    pub fn steps<T: Edges>(
+        &self,
+        triangles: &[T],
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+        any: bool,
+    ) -> u32 {
+        let mut ray = ray(origin, direction, t_max);
+        let mut state = self.wide.new_traversal(ray.direction);
+        let mut node;
+        let mut steps = 0;
+        let node_hits = |node: &CwBvhNode, ray: &Ray, steps: &mut u32, oct_inv4| {
+            *steps += 1;
+            node.intersect_ray(ray, oct_inv4)
+        };
+        traverse!(self.wide, node, state, node_hits(node, &ray, &mut steps, state.oct_inv4), {
+            steps += 1;
+            let hit = intersect_triangle(ray.origin, ray.direction, &triangles[state.primitive_id as usize]);
+            if let Some((t, ..)) = hit.filter(|(t, ..)| *t < ray.tmax) {
+                ray.tmax = t;
+                if any {
+                    return steps;
+                }
+            }
+        });
+        steps
     }
 
     /// Ask `visit` to look at every triangle whose bounds come within `reach` of a point along each axis, and at some others.

@@ -130,12 +130,12 @@ gpu_struct! {
         pub lanes: u32,
         /// Jotons that a lane can store.
         pub lane_capacity: u32,
-        /// First index of this pass in the low-discrepancy sequence.
+        /// First index of this pass in the low-discrepancy sequence, the low word.
         pub first_joton: u32,
         /// The pass whose random numbers are used.
         pub pass_index: u32,
-        /// Chunks that the sort works in.
-        pub chunks: u32,
+        /// … and the high word.
+        pub first_joton_high: u32,
         /// Area that each area point stands for; 0 where there are none.
         pub area_each: f32,
         /// One over the width of a cell of the area points' grid.

@@ -1,6 +1,6 @@
 //! Render: pass after pass on a backend until the picture is good enough, the time is up or the user stops it.
 
-use crate::backend::{Backend, Tally};
+use crate::backend::{Backend, PASSES_MAX, Tally};
 use crate::bands::BANDS;
 use crate::error::Result;
 use crate::film::{Layer, Picture};
@@ -15,7 +15,7 @@ use std::time::Instant;
 /// [`DEFAULT_SECONDS`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Stop {
-    /// After this many passes.
+    /// After this many passes; after [`PASSES_MAX`] in any case.
     pub passes: Option<u64>,
     /// After this many seconds of rendering.
     pub seconds: Option<f64>,
@@ -130,6 +130,7 @@ pub fn render(
     } else {
         stop
     };
+    let most = stop.passes.unwrap_or(PASSES_MAX).min(PASSES_MAX);
     let mut sums = Halves::new(size);
     let mut quiet = backend.rest(&Rest::none(size)).then(|| Quiet::new(size));
     let mut glimpses = glints::Watch::new(size);
@@ -139,10 +140,7 @@ pub fn render(
     let mut error = None;
     let mut clock = Clock::start();
     loop {
-        let batch_passes = u64::from(backend.batch_passes(passes)).min(halves::run(passes));
-        let count = stop.passes.map_or(batch_passes, |most| batch_passes.min(most - passes));
-        // powers of two, which blocks of resting tiles are whole parts of, or whole multiples
-        let count = 1 << count.ilog2();
+        let count = batch(passes, backend.batch_passes(passes), most);
         let mut batch = backend.render(passes, count as u32)?;
         // black layers are not summed
         for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
@@ -186,7 +184,7 @@ pub fn render(
         let go_on =
             watch(&Progress { passes, seconds, error, done, cpu_seconds, tally: &tally, halves: &sums });
         clock.go_on_from(reading);
-        let reason = if stop.passes.is_some_and(|most| passes >= most) {
+        let reason = if passes >= most {
             Some(Reason::Passes)
         } else if reached(total, stop.error) {
             Some(Reason::Error)
@@ -198,6 +196,8 @@ pub fn render(
             None
         };
         if let Some(reason) = reason {
+            // the picture takes its place
+            drop(batch);
             return Ok(Rendered {
                 picture: sums.picture(),
                 passes,
@@ -214,6 +214,12 @@ pub fn render(
             });
         }
     }
+}
+
+/// Passes of the batch from pass `first` on, where the backend would like so many, of `most` in all: powers of two, which blocks
+/// of resting tiles are whole parts of, or whole multiples.
+fn batch(first: u64, wanted: u32, most: u64) -> u64 {
+    1 << u64::from(wanted).min(halves::run(first)).min(most - first).ilog2()
 }
 
 /// Whether the error is estimated after so many passes: after each one first, later after every sixteenth part of them, so
@@ -272,6 +278,18 @@ mod tests {
             let sum: f32 = (first..first + u64::from(count)).map(|pass| pass as f32).sum();
             Ok(Batch { layers: std::array::from_fn(|_| vec![[sum; BANDS]]), tally: Tally::default() })
         }
+    }
+
+    /// A render ends before its passes have numbers of more than 32 bits, or the pilot's.
+    #[test]
+    fn passes_end_before_their_numbers_do() {
+        let mut passes = 0;
+        while passes < PASSES_MAX {
+            passes += batch(passes, u32::MAX, PASSES_MAX);
+        }
+        assert_eq!(passes - 1, u64::from(u32::MAX) - 1);
+        let last = u64::from(crate::layout::PILOT_PASS);
+        assert_eq!(PASSES_MAX, last, "the pilot's pass comes after all others");
     }
 
     /// A watcher sees the picture so far, layers summed, and its own time is not counted as rendering.

@@ -15,11 +15,12 @@ struct Start {
 }
 
 fn emit(number: u32) -> Start {
-    let at = map_info.first_joton + number;
+    let at = wide_sum(vec2(map_info.first_joton, map_info.first_joton_high), number);
+    let seed = seed_at(pass_info.seed, at.y);
     let place_stream = select(STREAM_DIFFUSE_PLACE, STREAM_CAUSTIC_PLACE, CAUSTIC);
     let direction_stream = select(STREAM_DIFFUSE_DIRECTION, STREAM_CAUSTIC_DIRECTION, CAUSTIC);
-    let u = sobol2(at, sequence_seed(pass_info.seed, 0u, place_stream));
-    var v = sobol2(at, sequence_seed(pass_info.seed, 0u, direction_stream));
+    let u = sobol2(at.x, sequence_seed(seed, 0u, place_stream));
+    var v = sobol2(at.x, sequence_seed(seed, 0u, direction_stream));
     let pick = pick_emitter(u.x, pass_info.emitters);
     let e = emitters[pick.emitter];
     var share = 1.0 / (e.pick * f32(map_info.emitted));

@@ -20,6 +20,10 @@ pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan
         "cpu" => Ok(cpu(reference, scene, plan)),
         "gpu" => gpu(None, scene, &plan),
         "auto" => gpu(None, scene, &plan).or_else(|e| {
+            if let Error::Memory { .. } = e {
+                // what is free decides about no picture
+                return Err(e);
+            }
             let (backend, line, plan) = cpu(false, scene, plan);
             Ok((backend, format!("{line}, because the GPU cannot be used: {e}"), plan))
         }),

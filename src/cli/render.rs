@@ -3,7 +3,7 @@
 use super::{DONE, INTERRUPTED, device, memory, pack, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use joton::backend::Backend;
+use joton::backend::{Backend, PASSES_MAX};
 use joton::film;
 use joton::output::{self, display, exr, png};
 use joton::paths::LightPaths;
@@ -223,6 +223,10 @@ fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a PathBuf>) -> 
 fn checked_stop(a: &RenderArguments) -> Result<Stop> {
     if a.passes == Some(0) {
         return Err(Error::usage("--passes 0 renders nothing", "give at least 1"));
+    }
+    if a.passes.is_some_and(|passes| passes > PASSES_MAX) {
+        let what = format!("--passes: random numbers last for {PASSES_MAX} passes");
+        return Err(Error::usage(what, "ask for fewer, and average renders with other seeds"));
     }
     for (name, value) in [("--time", a.time), ("--error", a.error)] {
         if value.is_some_and(|v| v.is_nan() || v <= 0.0) {

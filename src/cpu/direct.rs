@@ -15,7 +15,7 @@ use crate::optics::ray::{Ray, Surface, lift, visible};
 use crate::optics::reservoir::Reservoir;
 use crate::pack::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
-use crate::rng::{random4, sequence_seed, sobol2};
+use crate::rng::{random4, sequence2};
 use glam::Vec3;
 
 /// Direct light at a gather point, times its throughput: one pass's estimate.
@@ -30,14 +30,15 @@ pub(super) fn light(
     let settings = &plan.settings;
     let lights = plan.guides.direct.emitters(&scene.emitters);
     let count = settings.shadow_rays;
-    let seed = sequence_seed(settings.seed, pixel, STREAM_LIGHT);
     let shared = g.material.flags().has_glossy() || near_emitter(lights, g.position);
     let mut sum = BLACK;
     for ray in 0..count {
         let is_drawn = shared || plan.light_candidates > 1;
         let u = if is_drawn { random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray) } else { [0.0; 4] };
-        let first = pass.wrapping_mul(count).wrapping_add(ray).wrapping_mul(plan.light_candidates);
-        let candidates = (0..plan.light_candidates).map(|k| sobol2(first.wrapping_add(k), seed));
+        let [pass, count, ray, number] = [pass, count, ray, plan.light_candidates].map(u64::from);
+        let first = (pass * count + ray) * number;
+        let candidates = (0..plan.light_candidates)
+            .map(|k| sequence2(first + u64::from(k), settings.seed, pixel, STREAM_LIGHT));
         sum = add(&sum, &by_light(scene, lights, g, candidates, u[3], shared, tally));
         if shared {
             sum = add(&sum, &by_bsdf(scene, lights, g, u, plan.light_candidates as f32, tally));

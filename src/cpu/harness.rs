@@ -8,11 +8,11 @@ use crate::optics::cone::{Beam, into_targets};
 use crate::optics::emit::{self, Start};
 use crate::optics::ray::Surface;
 use crate::pack::{Guide, NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
-use crate::rng::{sequence_seed, sobol2};
+use crate::rng::sequence2;
 use glam::Vec3;
 
 /// Every stream of Sobol pairs.
-pub const STREAMS: [u32; 10] = [
+pub const STREAMS: [u32; 9] = [
     STREAM_JITTER,
     STREAM_LIGHT,
     STREAM_CAUSTIC_PLACE,
@@ -22,7 +22,6 @@ pub const STREAMS: [u32; 10] = [
     STREAM_AREA,
     STREAM_CHOICE,
     STREAM_GLINT_JITTER,
-    STREAM_GLINT_CHOICE,
 ];
 
 /// First dimension of hashed numbers of each purpose.
@@ -42,10 +41,11 @@ pub fn emit(
     guide: &Guide,
     seed: u32,
     caustic: bool,
-    index: u32,
+    index: impl Into<u64>,
     count: u32,
 ) -> Option<(Vec3, Vec3, Bands)> {
-    let draw = |stream| sobol2(index, sequence_seed(seed, 0, stream));
+    let index = index.into();
+    let draw = |stream| sequence2(index, seed, 0, stream);
     let count = count as f32;
     let start = if caustic {
         emit::aimed(scene, guide, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)

@@ -1,7 +1,9 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
 pub mod buffers;
+mod discs;
 mod facts;
+pub mod grid;
 pub mod kernels;
 mod learn;
 mod pilot;
@@ -202,6 +204,14 @@ impl Plan {
             diffuse: Schedule { base: diffuse, alpha: ALPHA },
             skipped: skips.skipped,
             pilot,
+        }
+    }
+
+    /// Jotons emitted a pass for a map.
+    pub fn jotons(&self, kind: shape::Kind) -> u32 {
+        match kind {
+            shape::Kind::Caustic => self.caustic_jotons,
+            shape::Kind::Diffuse => self.diffuse_jotons,
         }
     }
 
