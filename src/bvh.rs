@@ -3,9 +3,12 @@
 //! The only file that names obvhs. Triangles are reordered to leaf order on the way, so that a leaf's
 //! primitive index is a triangle's index.
 
+mod split;
+
 use glam::{UVec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
+use obvhs::bvh2::{Bvh2, node::Bvh2Node};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris, bvh2_to_cwbvh::bvh2_to_cwbvh};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{BvhBuildParams, traverse, triangle::Triangle};
 use std::time::Duration;
@@ -56,7 +59,13 @@ impl Bvh {
             BvhBuildParams::medium_build()
         };
         params.max_prims_per_leaf = TRIANGLES_PER_LEAF;
-        let mut wide = build_cwbvh_from_tris(&triangles, params, &mut Duration::default());
+        let boxes: Vec<[Vec3; 2]> =
+            vertices.iter().map(|[a, b, c]| [a.min(*b).min(*c), a.max(*b).max(*c)]).collect();
+        let mut wide = if split::stalls(&boxes) {
+            widened(split::tree(&boxes))
+        } else {
+            build_cwbvh_from_tris(&triangles, params, &mut Duration::default())
+        };
         let order = std::mem::take(&mut wide.primitive_indices);
         (Self { wide }, order)
     }
@@ -140,6 +149,19 @@ impl Bvh {
         let ray = ray(point - along * reach, along, 2.0 * reach);
         !self.wide.ray_traverse_miss(ray, |_, id| if accept(id as u32) { 0.0 } else { f32::INFINITY })
     }
+}
+
+/// A compressed wide hierarchy from a binary one.
+fn widened((nodes, order): (Vec<split::SplitNode>, Vec<u32>)) -> CwBvh {
+    let node = |n: &split::SplitNode| {
+        let [low, high] = n.bounds;
+        Bvh2Node::new(Aabb { min: low.into(), max: high.into() }, n.count, n.first)
+    };
+    let mut binary = Bvh2::default();
+    binary.nodes = nodes.iter().map(node).collect();
+    binary.primitive_indices = order;
+    binary.children_are_ordered_after_parents = true;
+    bvh2_to_cwbvh(&binary, TRIANGLES_PER_LEAF, true, false)
 }
 
 /// A ray without negative zeros: obvhs takes their sign for the reciprocal and not for the octant, and misses everything.

@@ -34,13 +34,14 @@ pub(super) struct PlanArguments {
 }
 
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
-    let scene = joton::scene::load(&a.scene)?;
+    let mut scene = joton::scene::load(&a.scene)?;
     let keep = super::render::kept(&a.no_skip)?;
     let mut settings = Settings { keep, memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
     let packed = pack(&scene, &settings);
+    scene.warnings.extend(joton::pack::doubts(&scene, &packed));
     let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);
     let machine = Machine::REFERENCE;

@@ -6,6 +6,8 @@
 //! world flux = internal flux × `world_scale`².
 
 mod area_points;
+mod bodies;
+mod doubts;
 mod emitters;
 mod guide;
 mod marks;
@@ -14,6 +16,7 @@ mod surfaces;
 mod targets;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
+pub use doubts::doubts;
 pub use emitters::{EmitterKind, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use marks::{MARK_FACTORS, MARK_WORDS, Marks};

@@ -1,5 +1,6 @@
 //! Load: a scene file or a mesh file becomes a validated [`Scene`].
 
+use super::glass::{self, Origin};
 use super::mtl::RawMaterial;
 use super::obj::{self, ObjFile};
 use super::scene_file::{self, CameraEntry, DEFAULT_SIZE, MeshEntry};
@@ -26,10 +27,22 @@ const UNNAMED: &str = "(none)";
 /// [`Error::Io`] where a file cannot be read; [`Error::Scene`], with file and line where known, where the scene
 /// cannot be used; [`Error::Usage`] for a format without a reader. No input makes it panic.
 pub fn load(path: &Path) -> Result<Scene> {
+    reader(path)?(path)
+}
+
+/// Finds out by its name whether a scene can be read at all.
+///
+/// # Errors
+/// [`Error::Usage`] for a format without a reader.
+pub fn check_format(path: &Path) -> Result<()> {
+    reader(path).map(|_| ())
+}
+
+fn reader(path: &Path) -> Result<fn(&Path) -> Result<Scene>> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     match extension.as_deref() {
-        Some("toml") => load_scene_file(path),
-        Some("obj") => load_obj(path),
+        Some("toml") => Ok(load_scene_file),
+        Some("obj") => Ok(load_obj),
         _ => {
             let what = format!("{}: not a scene format that can be read", path.display());
             Err(Error::usage(what, "known formats are .toml (scene file) and .obj"))
@@ -56,7 +69,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     }
     drop(files);
     assembly.check_overrides()?;
-    let (mesh, materials) = (assembly.mesh, assembly.materials);
+    let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     validate::light(path, &mesh, &materials, &description.lights)?;
     let size = description.size;
@@ -74,7 +87,7 @@ fn load_obj(path: &Path) -> Result<Scene> {
     let opened = assembly.open(obj::read(path, &mut warnings)?, path, &mut warnings)?;
     let mesh = opened.file.place(1.0, DVec3::ZERO, &mut warnings)?;
     assembly.add(mesh, opened.first_material, path)?;
-    let (mesh, materials) = (assembly.mesh, assembly.materials);
+    let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     let size = DEFAULT_SIZE;
     let camera = frame::frame(&mesh, &materials, &[], size);
@@ -128,6 +141,8 @@ struct Opened {
 struct Assembly<'a> {
     mesh: Mesh,
     materials: Vec<Material>,
+    /// For each material where it is used first.
+    origins: Vec<Origin>,
     overrides: &'a [RawMaterial],
     /// Overrides by name, in their order.
     overrides_of: HashMap<&'a str, Vec<&'a RawMaterial>>,
@@ -142,8 +157,14 @@ impl<'a> Assembly<'a> {
         for stated in overrides {
             overrides_of.entry(&stated.name).or_default().push(stated);
         }
-        let (mesh, materials, used, is_used) = Default::default();
-        Self { mesh, materials, overrides, overrides_of, used, is_used }
+        let (mesh, materials, origins, used, is_used) = Default::default();
+        Self { mesh, materials, origins, overrides, overrides_of, used, is_used }
+    }
+
+    /// The whole, its glass settled.
+    fn finish(mut self, warnings: &mut Warnings) -> (Mesh, Vec<Material>) {
+        glass::settle(&mut self.mesh, &mut self.materials, &self.origins, warnings);
+        (self.mesh, self.materials)
     }
 
     /// Looks up the materials of a file.
@@ -158,8 +179,9 @@ impl<'a> Assembly<'a> {
         }
         let first_material = self.materials.len() as u32;
         for (name, line) in &file.materials {
-            let material = self.material(name.as_deref(), *line, &index_of, path, warnings)?;
+            let (material, thin) = self.material(name.as_deref(), *line, &index_of, path, warnings)?;
             self.materials.push(material);
+            self.origins.push(Origin { file: path.to_owned(), line: *line, thin });
         }
         Ok(Opened { file, first_material })
     }
@@ -192,10 +214,10 @@ impl<'a> Assembly<'a> {
         library: &HashMap<&str, &RawMaterial>,
         path: &Path,
         warnings: &mut Warnings,
-    ) -> Result<Material> {
+    ) -> Result<(Material, Option<bool>)> {
         let Some(name) = name else {
             warnings.add(path, Some(line), "faces without a material are matte grey 0.5");
-            return Ok(Material::matte(UNNAMED, rule::GREY));
+            return Ok((Material::matte(UNNAMED, rule::GREY), None));
         };
         let name_alone = name.split_once(" #").map_or(name, |(name, _)| name.trim());
         let defined = library.get(name).or_else(|| library.get(name_alone)).copied();
@@ -210,7 +232,14 @@ impl<'a> Assembly<'a> {
             });
         }
         match raw {
-            Some(raw) => rule::material(&raw, warnings),
+            Some(raw) => {
+                let material = rule::material(&raw, warnings)?;
+                if let Some(thin) = raw.thin.filter(|_| material.dielectric.is_none()) {
+                    let what = format!("material \"{name}\": thin says nothing of what is no glass");
+                    warnings.add(&raw.file, Some(thin.line), what);
+                }
+                Ok((material, raw.thin.map(|thin| thin.value)))
+            }
             None => {
                 let kind = Named {
                     noun: ["material", "materials"],
@@ -224,7 +253,7 @@ impl<'a> Assembly<'a> {
                     near.map_or(String::new(), |near| format!(" (did you mean \"{near}\"?)"))
                 };
                 warnings.add_named(path, Some(line), kind, name, hint);
-                Ok(Material::matte(name, rule::GREY))
+                Ok((Material::matte(name, rule::GREY), None))
             }
         }
     }
@@ -253,6 +282,7 @@ impl RawMaterial {
         RawMaterial {
             file: other.file.clone(),
             line: other.line,
+            thin: other.thin.or(self.thin),
             kd: other.kd.or(self.kd),
             ks: other.ks.or(self.ks),
             ke: other.ke.or(self.ke),

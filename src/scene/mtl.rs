@@ -43,6 +43,8 @@ pub(crate) struct RawMaterial {
     pub(crate) line: usize,
     /// Set by a scene file.
     pub(crate) kind: Option<Kind>,
+    /// Set by a scene file: whether glass is a pane without thickness.
+    pub(crate) thin: Option<At<bool>>,
     /// Diffuse reflectance.
     pub(crate) kd: Option<At<Bands>>,
     /// Specular or glossy reflectance.

@@ -64,7 +64,12 @@ impl ObjFile {
         builder.mesh.positions = parsed.positions.as_chunks::<3>().0.iter().map(placed).collect();
         if builder.mesh.positions.iter().any(|p| p.abs().max_element() > MAX_COORDINATE) {
             let remedy = "use a larger unit of length";
-            return Err(Error::scene(path, None, format!("a coordinate is beyond {MAX_COORDINATE:e}"), remedy));
+            return Err(Error::scene(
+                path,
+                None,
+                format!("a coordinate is beyond {MAX_COORDINATE:e}"),
+                remedy,
+            ));
         }
         let mut start = 0;
         // tobj leaves the arities out where all faces are triangles.

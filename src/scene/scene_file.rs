@@ -217,7 +217,7 @@ fn power(table: &Table, key: &str) -> Result<Bands> {
 
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
 fn material(table: Table, path: &Path) -> Result<RawMaterial> {
-    table.allow(&["name", "type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness"])?;
+    table.allow(&["name", "type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness", "thin"])?;
     let kind = table.optional_string("type")?;
     let kind = match kind.as_ref().map(|k| (k.value.as_str(), k.line)) {
         None => None,
@@ -240,6 +240,7 @@ fn material(table: Table, path: &Path) -> Result<RawMaterial> {
         file: path.to_owned(),
         line: table.line(),
         kind,
+        thin: table.boolean("thin")?,
         kd: table.bands("kd")?,
         ks: table.bands("ks")?,
         ke: table.bands("ke")?,

@@ -128,6 +128,15 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// True or false.
+    pub(crate) fn boolean(&self, key: &str) -> Result<Option<At<bool>>> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::Boolean(value), line, _)) => Ok(Some(At { value: *value, line })),
+            Some((_, line, _)) => Err(self.wrong(key, line, "true or false")),
+        }
+    }
+
     /// A whole number.
     pub(crate) fn integer(&self, key: &str) -> Result<Option<At<i64>>> {
         let Some((value, line, _)) = self.get(key) else { return Ok(None) };

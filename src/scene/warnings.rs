@@ -79,7 +79,13 @@ impl Warnings {
         let place = line.map_or(file.clone(), |l| format!("{file}:{l}"));
         let index = *self.group_of.entry((file, what.to_owned())).or_insert(next);
         if index == next {
-            self.groups.push(Group { place, words: words(), names: Vec::new(), known: HashSet::new(), count: 0 });
+            self.groups.push(Group {
+                place,
+                words: words(),
+                names: Vec::new(),
+                known: HashSet::new(),
+                count: 0,
+            });
         }
         &mut self.groups[index]
     }
