@@ -47,6 +47,7 @@ fn specular_scatter(
         if HAS_SMOOTH && dot(d, geometric) >= 0.0 {
             d = refract_direction(direction, geometric, eta_it);
         }
+        d = select(d, direction, is_thin(m));
         return Specular(d, eta_it, any(d != vec3(0.0)));
     }
     var d = normalize(reflect(direction, n));

@@ -185,23 +185,29 @@ impl<'a> Look<'a> {
     }
 
     fn glass_on_walls(&self) -> Option<String> {
-        let is_glass = |t: &&PackedTriangle| self.flags(t).is_dielectric();
-        let glass: Vec<&PackedTriangle> = self.packed.triangles.iter().filter(is_glass).collect();
-        let (mut panes, mut walls) = (BTreeSet::new(), BTreeSet::new());
-        for t in some(&glass, TRIANGLES) {
+        let is_glass = |t: &PackedTriangle| self.flags(t).is_dielectric();
+        let (glass, walls): (Vec<&PackedTriangle>, Vec<&PackedTriangle>) =
+            self.packed.triangles.iter().partition(|t| is_glass(t));
+        if glass.is_empty() {
+            return None;
+        }
+        let (mut panes, mut touched) = (BTreeSet::new(), BTreeSet::new());
+        // of a large pane on small walls the places of the walls lie on it, and the other way round
+        for t in some(&glass, TRIANGLES).chain(some(&walls, TRIANGLES)) {
             let normal = t.normal();
-            for weights in [[1.0 / 3.0; 2], [0.1, 0.1], [0.8, 0.1], [0.1, 0.8]] {
-                let place = t.v0 + t.e1 * weights[0] + t.e2 * weights[1];
-                let along = (normal + ASLANT).normalize();
+            let along = (normal + ASLANT).normalize();
+            for [u, v] in SPREAD {
+                let place = t.v0 + t.e1 * u + t.e2 * v;
                 self.packed.bvh.any_near(place, along, FLUSH, |other| {
-                    let wall = &self.packed.triangles[other as usize];
-                    let lies = !self.flags(wall).is_dielectric()
-                        && wall.normal().dot(normal).abs() > PARALLEL
-                        && (place - wall.v0).dot(wall.normal()).abs() < FLUSH
-                        && holds(wall, place);
+                    let other = &self.packed.triangles[other as usize];
+                    let lies = is_glass(t) != is_glass(other)
+                        && other.normal().dot(normal).abs() > PARALLEL
+                        && (place - other.v0).dot(other.normal()).abs() < FLUSH
+                        && holds(other, place);
                     if lies {
-                        panes.insert(self.name(t));
-                        walls.insert(self.name(wall));
+                        let (pane, wall) = if is_glass(t) { (*t, other) } else { (other, *t) };
+                        panes.insert(self.name(pane));
+                        touched.insert(self.name(wall));
                     }
                     lies
                 });
@@ -209,9 +215,13 @@ impl<'a> Look<'a> {
         }
         let what = "where they touch they are in optical contact, without air between them; leave a gap where one is meant";
         (!panes.is_empty())
-            .then(|| format!("glass {} lies flush on {}: {what}", names(&panes), names(&walls)))
+            .then(|| format!("glass {} lies flush on {}: {what}", names(&panes), names(&touched)))
     }
 }
+
+/// Places on a triangle, as weights of its second and third corner: near its corners and edges, and its middle.
+const SPREAD: [[f32; 2]; 7] =
+    [[0.33, 0.33], [0.02, 0.02], [0.96, 0.02], [0.02, 0.96], [0.48, 0.02], [0.02, 0.48], [0.48, 0.48]];
 
 /// A direction of an even sample of the sphere (a Fibonacci spiral).
 fn around(i: u32) -> Vec3 {

@@ -144,12 +144,17 @@ fn normal(mesh: &Mesh, triangle: u32) -> DVec3 {
 }
 
 fn shapes(surfaces: &[Surface], mesh: &Mesh, materials: &[Material]) -> Vec<Shape> {
+    let mut group = vec![(0.0, 0.0); surfaces.len()];
+    for s in surfaces {
+        let (holes, area) = &mut group[s.group as usize];
+        (*holes, *area) = (*holes + s.holes, *area + s.area);
+    }
     let is_sheet = |s: &Surface| {
-        let index = |i: u32| materials[material_of(mesh, i)].dielectric.map_or(1.0, |d| d.ior);
-        if s.open_edges == 0 {
-            s.is_flat && s.facing.length() < SAME * s.area
-        } else {
-            s.holes >= SHEET_HOLES * s.area || index(s.triangles[0]) < SHEET_INDEX
+        let index = materials[material_of(mesh, s.triangles[0])].dielectric.map_or(1.0, |d| d.ior);
+        let (holes, area) = group[s.group as usize];
+        match s.open_edges {
+            0 => s.is_flat && s.facing.length() < SAME * s.area,
+            _ => holes >= SHEET_HOLES * area || index < SHEET_INDEX,
         }
     };
     let mut shapes: Vec<Shape> = surfaces

@@ -24,6 +24,8 @@ pub(crate) struct Surface {
     pub(crate) branches: bool,
     /// Area of the flat lids that would close its holes.
     pub(crate) holes: f64,
+    /// Number of the group of surfaces whose open edges meet in corners; its surfaces are judged together.
+    pub(crate) group: u32,
     /// Corners of the box around its open edges; turned inside out where there is none.
     pub(crate) rim: [DVec3; 2],
     /// Area.
@@ -61,6 +63,20 @@ pub(crate) fn surfaces(mesh: &Mesh, materials: &[Material]) -> Vec<Surface> {
         if first[start] as usize == start && surface_of[start] == NONE {
             found.push(follow(mesh, &glass, &edges, start, found.len() as u32, &mut surface_of));
         }
+    }
+    // where a sliver without area was dropped, or an edge is cut on one side only, a body falls into pieces
+    let mut parent: Vec<u32> = (0..found.len() as u32).collect();
+    let mut met: HashMap<u32, u32> = HashMap::new();
+    for (edge, ([k, _], _)) in edges.at.iter().filter(|(_, (_, count))| *count == 1) {
+        for corner in edge {
+            let surface = surface_of[*k as usize];
+            let other = *met.entry(*corner).or_insert(surface);
+            let (a, b) = (root(&mut parent, surface), root(&mut parent, other));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    for (i, surface) in found.iter_mut().enumerate() {
+        surface.group = root(&mut parent, i as u32);
     }
     for (k, &i) in glass.iter().enumerate().filter(|(k, _)| first[*k] as usize != *k) {
         found[surface_of[first[k] as usize] as usize].copies.push(i);
@@ -177,6 +193,7 @@ fn follow(
         open_edges: rims.len(),
         branches,
         holes: lids(&rims),
+        group: number,
         rim: [DVec3::INFINITY, DVec3::NEG_INFINITY],
         area: 0.0,
         facing: DVec3::ZERO,
@@ -212,13 +229,6 @@ const FLAT: f64 = 1e-6;
 fn lids(rims: &[(u32, u32, [DVec3; 2])]) -> f64 {
     let mut group_of: HashMap<u32, u32> = HashMap::new();
     let mut parent: Vec<u32> = Vec::new();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
     for &(a, b, _) in rims {
         let [p, q] = [a, b].map(|v| {
             *group_of.entry(v).or_insert_with(|| {
@@ -235,4 +245,13 @@ fn lids(rims: &[(u32, u32, [DVec3; 2])]) -> f64 {
         *sum += (p - *origin).cross(q - *origin) / 2.0;
     }
     sums.values().map(|(_, sum)| sum.length()).sum()
+}
+
+/// The least of a set of joined numbers.
+fn root(parent: &mut [u32], mut i: u32) -> u32 {
+    while parent[i as usize] != i {
+        parent[i as usize] = parent[parent[i as usize] as usize];
+        i = parent[i as usize];
+    }
+    i
 }
