@@ -3,9 +3,12 @@
 //! The only file that names obvhs. Triangles are reordered to leaf order on the way, so that a leaf's
 //! primitive index is a triangle's index.
 
+mod split;
+
 use glam::{UVec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris, node::CwBvhNode};
+use obvhs::bvh2::{Bvh2, node::Bvh2Node};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris, bvh2_to_cwbvh::bvh2_to_cwbvh, node::CwBvhNode};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{BvhBuildParams, traverse, triangle::Triangle};
 use std::time::Duration;
@@ -60,7 +63,13 @@ impl Bvh {
             BvhBuildParams::medium_build()
         };
         params.max_prims_per_leaf = TRIANGLES_PER_LEAF;
-        let mut wide = build_cwbvh_from_tris(&triangles, params, &mut Duration::default());
+        let boxes: Vec<[Vec3; 2]> =
+            vertices.iter().map(|[a, b, c]| [a.min(*b).min(*c), a.max(*b).max(*c)]).collect();
+        let mut wide = if split::stalls(&boxes) {
+            widened(split::tree(&boxes))
+        } else {
+            build_cwbvh_from_tris(&triangles, params, &mut Duration::default())
+        };
         let order = std::mem::take(&mut wide.primitive_indices);
         (Self { wide }, order)
     }
@@ -167,7 +176,7 @@ impl Bvh {
 
     /// Nodes and triangles that a kernel looks at to find the nearest triangle in `(0, t_max)`, or just any; `direction` is a unit
     /// vector.
-    pub fn steps<T: Edges>(
+    pub fn steps<T: Face>(
         &self,
         triangles: &[T],
         origin: Vec3,
@@ -176,6 +185,7 @@ impl Bvh {
         any: bool,
     ) -> u32 {
         let mut ray = ray(origin, direction, t_max);
+        let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
         let mut state = self.wide.new_traversal(ray.direction);
         let mut node;
         let mut steps = 0;
@@ -185,9 +195,9 @@ impl Bvh {
         };
         traverse!(self.wide, node, state, node_hits(node, &ray, &mut steps, state.oct_inv4), {
             steps += 1;
-            let hit = intersect_triangle(ray.origin, ray.direction, &triangles[state.primitive_id as usize]);
-            if let Some((t, ..)) = hit.filter(|(t, ..)| *t < ray.tmax) {
-                ray.tmax = t;
+            let hit = meet(from, along, &triangles[state.primitive_id as usize]);
+            if let Some(m) = hit.filter(|m| m.t * OBVHS_UNITS < ray.tmax) {
+                ray.tmax = m.t * OBVHS_UNITS;
                 if any {
                     return steps;
                 }
@@ -223,6 +233,19 @@ impl Bvh {
         let line = ray(point - along * reach, along, 2.0 * reach);
         !self.wide.ray_traverse_miss(line, |_, id| if accept(id as u32) { 0.0 } else { f32::INFINITY })
     }
+}
+
+/// A compressed wide hierarchy from a binary one.
+fn widened((nodes, order): (Vec<split::SplitNode>, Vec<u32>)) -> CwBvh {
+    let node = |n: &split::SplitNode| {
+        let [low, high] = n.bounds;
+        Bvh2Node::new(Aabb { min: low.into(), max: high.into() }, n.count, n.first)
+    };
+    let mut binary = Bvh2::default();
+    binary.nodes = nodes.iter().map(node).collect();
+    binary.primitive_indices = order;
+    binary.children_are_ordered_after_parents = true;
+    bvh2_to_cwbvh(&binary, TRIANGLES_PER_LEAF, true, false)
 }
 
 /// obvhs leaves out boxes that end before t = 1e-4. Its rays get a direction this many times shorter, a power of two, so that

@@ -417,6 +417,7 @@ pub fn constants() -> String {
     u("GLOSSY", MaterialFlags::GLOSSY);
     u("SPECULAR", MaterialFlags::SPECULAR);
     u("DIELECTRIC", MaterialFlags::DIELECTRIC);
+    u("THIN", MaterialFlags::THIN);
     u("EMISSIVE", MaterialFlags::EMISSIVE);
     u("EMITTER_TRIANGLE", EmitterKind::Triangle as u32);
     u("EMITTER_POINT", EmitterKind::Point as u32);

@@ -47,6 +47,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
     let packed = pack(&scene, &settings);
+    scene.warnings.extend(joton::pack::doubts(&scene, &packed));
     let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);
     let machine = Machine::REFERENCE;

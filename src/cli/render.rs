@@ -78,6 +78,8 @@ pub(super) struct RenderArguments {
 pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let begin = Instant::now();
     let stop = checked_stop(a)?;
+    // before the names of its outputs: a folder has none to give
+    joton::scene::check_format(&a.scene)?;
     let outputs = if a.output.is_empty() { default_outputs(&a.scene) } else { a.output.clone() };
     for path in &outputs {
         kind_of(path)?;
@@ -97,11 +99,12 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
             tell(format_args!("joton: {line}"));
         }
     };
+    film::check_memory(scene.size)?;
+    let packed = Arc::new(pack(&scene, &settings));
+    scene.warnings.extend(joton::pack::doubts(&scene, &packed));
     for warning in &scene.warnings {
         say(&format!("warning: {warning}"));
     }
-    film::check_memory(scene.size)?;
-    let packed = Arc::new(pack(&scene, &settings));
     let plan = Plan::new(&packed, settings);
     let (mut backend, device, plan) = device::open(&a.device, a.reference, &packed, plan)?;
     say(&device);

@@ -22,6 +22,11 @@ pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
+/// Reflectance of a thin pane whose faces reflect `face` each: what goes to and fro between them adds up as flux [E26].
+pub fn pane_reflectance(face: f32) -> f32 {
+    2.0 * face / (1.0 + face)
+}
+
 /// Direction of refraction; `n` on the side that `d` comes from. None at total reflection.
 pub fn refract(d: Vec3, n: Vec3, eta_i_over_t: f32) -> Option<Vec3> {
     let cos_i = -d.dot(n);
@@ -126,18 +131,22 @@ pub(crate) struct Boundary {
 
 impl Boundary {
     pub(crate) fn at(s: &Surface) -> Self {
+        let n = s.specular_normal();
+        let reflected = mirror(s.back, n);
+        let reflected = if reflected.dot(s.ng) > 0.0 { reflected } else { mirror(s.back, s.ng) };
+        if s.flags().is_thin() {
+            let fresnel = pane_reflectance(fresnel(s.back.dot(n), s.material.ior));
+            return Self { fresnel, reflected, refracted: -s.back, eta_i_over_t: 1.0 };
+        }
         let eta_i_over_t = if s.front { 1.0 / s.material.ior } else { s.material.ior };
         let along = -s.back;
         let about = |n: Vec3| {
             let crossing = refract(along, n, eta_i_over_t).filter(|w| w.dot(s.ng) < 0.0);
             crossing.map(|w| (fresnel(s.back.dot(n), 1.0 / eta_i_over_t), w))
         };
-        let n = s.specular_normal();
         let total = fresnel(s.back.dot(n), 1.0 / eta_i_over_t) >= 1.0;
         let (fresnel, refracted) =
             if total { None } else { about(n).or_else(|| about(s.ng)) }.unwrap_or((1.0, along));
-        let reflected = mirror(s.back, n);
-        let reflected = if reflected.dot(s.ng) > 0.0 { reflected } else { mirror(s.back, s.ng) };
         Self { fresnel, reflected, refracted, eta_i_over_t }
     }
 }
@@ -162,6 +171,16 @@ mod tests {
         assert_eq!(fresnel(critical - 1e-3, 1.0 / 1.5), 1.0);
         assert!(fresnel(critical + 1e-2, 1.0 / 1.5) < 0.9);
         assert_eq!(fresnel(0.0, 1.5), 1.0);
+    }
+
+    /// A pane reflects what the sum over all ways between its faces says: R + (1−R)² R Σ R^2k.
+    #[test]
+    fn panes_add_up_their_faces() {
+        for i in 0..=10 {
+            let r = i as f32 / 10.0;
+            let sum = r + (1.0 - r) * (1.0 - r) * r * (0..2000).map(|k| r.powi(2 * k)).sum::<f32>();
+            assert!((pane_reflectance(r) - if i == 10 { 1.0 } else { sum }).abs() < 1e-5, "{r}");
+        }
     }
 
     #[test]

@@ -6,8 +6,10 @@
 //! world flux = internal flux × `world_scale`².
 
 mod area_points;
+mod bodies;
 mod camera;
 mod contacts;
+mod doubts;
 mod emitters;
 mod guide;
 mod marks;
@@ -17,6 +19,7 @@ mod targets;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use camera::{CameraRay, PackedCamera};
+pub use doubts::doubts;
 pub use emitters::{EmitterKind, FAR, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use marks::{MARK_FACTORS, MARK_WORDS, Marks};

@@ -5,7 +5,7 @@ use crate::bvh::Face;
 use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 /// [`PackedTriangle::emitter`] of a triangle that emits nothing.
 pub const NO_EMITTER: u32 = u32::MAX;
@@ -94,6 +94,7 @@ impl MaterialFlags {
     pub(crate) const SPECULAR: u32 = 4;
     pub(crate) const DIELECTRIC: u32 = 8;
     pub(crate) const EMISSIVE: u32 = 16;
+    pub(crate) const THIN: u32 = 32;
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
     pub fn has_diffuse(self) -> bool {
@@ -110,6 +111,10 @@ impl MaterialFlags {
     /// Light can pass through.
     pub fn is_dielectric(self) -> bool {
         self.0 & Self::DIELECTRIC != 0
+    }
+    /// A dielectric with both of its faces in one place: what passes is not bent [E26].
+    pub fn is_thin(self) -> bool {
+        self.0 & Self::THIN != 0
     }
     /// The front emits.
     pub fn is_emissive(self) -> bool {
@@ -149,6 +154,7 @@ impl PackedMaterial {
         let mut bits = 0;
         let mut set = |on: bool, bit: u32| bits |= if on { bit } else { 0 };
         set(m.dielectric.is_some(), MaterialFlags::DIELECTRIC);
+        set(m.dielectric.is_some() && m.thin, MaterialFlags::THIN);
         let opaque = m.dielectric.is_none();
         // beside a mirror there is no room for a second lobe that is followed
         let followed = m.glossy_exponent > FOLLOWED_EXPONENT && is_black(&m.specular);
@@ -198,18 +204,28 @@ pub fn first_corner(vertices: [Vec3; 3]) -> usize {
     if SLIVER * product(best) < product(0) { best } else { 0 }
 }
 
-/// Indices of the triangles without exact copies: same corners in the same turn, same material, no shading normals. One
-/// of them is what a ray meets; the others would only shine once more and make the hierarchy deep.
+/// Indices of the triangles without copies: same corners in the same turn. One of them is what a ray meets; the others
+/// would only shine once more and make the hierarchy deep. What shines is kept before what does not, what is opaque before
+/// glass (flush with an opaque face, glass is in optical contact), and the first of the file before the others.
 pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
-    let mut seen = HashSet::with_capacity(vertices.len());
-    let is_new = |&i: &u32| {
-        let t = &scene.mesh.triangles[i as usize];
-        let corners = vertices[i as usize].map(|v| v.to_array().map(f32::to_bits));
-        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
-        let turned: [[u32; 3]; 3] = std::array::from_fn(|k| corners[(first + k) % 3]);
-        t.normal.is_some() || seen.insert((turned, t.material))
+    let mut kept: HashMap<[[u32; 3]; 3], u32> = HashMap::with_capacity(vertices.len());
+    let rank = |i: u32| {
+        let material = &scene.materials[scene.mesh.triangles[i as usize].material as usize];
+        (is_black(&material.emission), material.dielectric.is_some(), i)
     };
-    (0..vertices.len() as u32).filter(is_new).collect()
+    let key = |i: u32| -> [[u32; 3]; 3] {
+        // one zero for both
+        let corners = vertices[i as usize].map(|v| (v + Vec3::ZERO).to_array().map(f32::to_bits));
+        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        std::array::from_fn(|k| corners[(first + k) % 3])
+    };
+    for i in 0..vertices.len() as u32 {
+        let best = kept.entry(key(i)).or_insert(i);
+        if rank(i) < rank(*best) {
+            *best = i;
+        }
+    }
+    (0..vertices.len() as u32).filter(|&i| kept[&key(i)] == i).collect()
 }
 
 /// Bits of [`PackedTriangle::flags`].

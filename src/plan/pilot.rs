@@ -61,7 +61,9 @@ fn path_length(scene: &PackedScene, ray: CameraRay) -> Option<f32> {
         } else {
             t.normal()
         };
-        let (facing, eta) = if direction.dot(n) < 0.0 { (n, 1.0 / material.ior) } else { (-n, material.ior) };
+        // a thin pane bends nothing
+        let ior = if material.flags().is_thin() { 1.0 } else { material.ior };
+        let (facing, eta) = if direction.dot(n) < 0.0 { (n, 1.0 / ior) } else { (-n, ior) };
         let refracted =
             if material.flags().is_dielectric() { direction.refract(facing, eta) } else { Vec3::ZERO };
         let point = origin + direction * hit.t;
