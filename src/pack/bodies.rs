@@ -6,7 +6,7 @@
 
 use super::PackedScene;
 use super::doubts::names;
-use crate::bvh::{Bvh, Edges};
+use crate::bvh::{Bvh, Face};
 use crate::scene::{GlassSurface, Scene, glass_surfaces};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -29,9 +29,13 @@ struct Flat {
     surface: u32,
 }
 
-impl Edges for Flat {
+impl Face for Flat {
     fn edges(&self) -> [Vec3; 3] {
         self.edges
+    }
+
+    fn rank(&self, _: bool) -> u32 {
+        0
     }
 }
 

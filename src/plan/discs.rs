@@ -71,7 +71,7 @@ pub(super) fn is_cut(scene: &PackedScene, s: &Surface, radius: f32) -> bool {
         // a spiral: even over the disc
         let r = radius * ((i as f32 + 0.5) / PROBES as f32).sqrt();
         let above = s.position + around((0.618_034 * i as f32).fract()) * r + s.ng * (PROBE_HEIGHT * radius);
-        let below = Surface::hit(scene, &Ray { origin: above, direction: -s.ng });
+        let below = Surface::hit(scene, &Ray::new(above, -s.ng));
         below.is_some_and(|hit| {
             (hit.distance - PROBE_HEIGHT * radius).abs() < GATHER_PLANE_SHARE * radius
                 && hit.ng.dot(s.ng) > GATHER_NORMAL_COS
@@ -81,7 +81,7 @@ pub(super) fn is_cut(scene: &PackedScene, s: &Surface, radius: f32) -> bool {
     let is_free = (0..CLIP_RAYS).all(|i| {
         let direction = around(i as f32 / CLIP_RAYS as f32);
         let origin = s.position + s.ng * (CLIP_LIFT * radius);
-        Surface::hit(scene, &Ray { origin, direction }).is_none_or(|hit| hit.distance > radius)
+        Surface::hit(scene, &Ray::new(origin, direction)).is_none_or(|hit| hit.distance > radius)
     });
     !(is_whole && is_free)
 }
