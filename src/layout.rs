@@ -154,7 +154,7 @@ gpu_struct! {
 gpu_struct! {
     /// Where a camera path met its first diffuse surface; 48 bytes, one for each pixel.
     pub struct GatherPoint {
-        /// Position, lifted off the surface toward the eye [E26]: where rays from it start.
+        /// Position, lifted off the surface toward the eye [E27]: where rays from it start.
         pub position: Vec3,
         /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, and
         /// [`BACK_SIDE`] where the back of the triangle is seen.
@@ -223,7 +223,7 @@ gpu_struct! {
         pub flux: Bands,
         /// Low 5 bits: state of the path automaton; then LANE_ bits; above bit 16 the number of events.
         pub status: u32,
-        /// Back faces nearer than this are not met by the next ray [E26].
+        /// Back faces nearer than this are not met by the next ray [E27].
         pub t_back: f32,
         /// Padding.
         pub pad0: u32,
@@ -377,7 +377,7 @@ pub const EDGE_CUT: u32 = 1;
 pub const EDGE_OTHERS: u32 = 2;
 
 /// Rays leave a plane by this part of the coordinates that say how far off the origin it is: eight half units in the last
-/// place. Points of the plane are rounded so, and so is where another ray meets it [E26].
+/// place. Points of the plane are rounded so, and so is where another ray meets it [E27].
 pub const LIFT: f32 = 8.0 / (1 << 24) as f32;
 /// … and by no less than this, internal units: a plane through the origin of the scene is exact.
 pub const LIFT_LEAST: f32 = 1.0 / (1 << 20) as f32;

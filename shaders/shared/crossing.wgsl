@@ -1,4 +1,4 @@
-// Crossing: which of two faces a ray meets first where they are so near each other that rounded distances do not tell [E26].
+// Crossing: which of two faces a ray meets first where they are so near each other that rounded distances do not tell [E27].
 // Twin: Crossing in src/bvh.rs.
 // import: shared/triangles.wgsl
 

@@ -36,7 +36,7 @@ fn lift_of(normal: vec3<f32>, extent: vec3<f32>) -> f32 {
     return max(LIFT * dot(abs(normal), extent), LIFT_LEAST);
 }
 
-// Where a ray starts, and below which distance back faces are not met [E26].
+// Where a ray starts, and below which distance back faces are not met [E27].
 struct Departure {
     origin: vec3<f32>,
     t_back: f32,

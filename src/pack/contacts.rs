@@ -1,5 +1,5 @@
 //! Contacts: whether some faces lie in one place, or so near each other that rounded distances do not tell which of them a ray
-//! meets first. Where there are none, kernels do not ask [E26].
+//! meets first. Where there are none, kernels do not ask [E27].
 
 use super::PackedTriangle;
 use crate::bvh::Bvh;
