@@ -241,10 +241,12 @@ fn widened((nodes, order): (Vec<split::SplitNode>, Vec<u32>)) -> CwBvh {
         let [low, high] = n.bounds;
         Bvh2Node::new(Aabb { min: low.into(), max: high.into() }, n.count, n.first)
     };
-    let mut binary = Bvh2::default();
-    binary.nodes = nodes.iter().map(node).collect();
-    binary.primitive_indices = order;
-    binary.children_are_ordered_after_parents = true;
+    let binary = Bvh2 {
+        nodes: nodes.iter().map(node).collect(),
+        primitive_indices: order,
+        children_are_ordered_after_parents: true,
+        ..Bvh2::default()
+    };
     bvh2_to_cwbvh(&binary, TRIANGLES_PER_LEAF, true, false)
 }
 

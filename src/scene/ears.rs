@@ -253,11 +253,7 @@ mod tests {
         let saw = |n: usize| polar(n, |i| 1.0 + (i * 7919 % 31) as f64);
         let comb = |n: usize| {
             let teeth = (0..n).map(|i| DVec2::new(i as f64, if i % 2 == 0 { 0.0 } else { 9.0 }));
-            [DVec2::new(n as f64, 10.0), DVec2::new(-1.0, 10.0)]
-                .into_iter()
-                .rev()
-                .chain(teeth)
-                .collect::<Vec<_>>()
+            teeth.chain([DVec2::new(n as f64, 10.0), DVec2::new(-1.0, 10.0)]).collect::<Vec<_>>()
         };
         let spiral = |n: usize| {
             let arm = |i: usize, wide: f64| {
@@ -266,7 +262,8 @@ mod tests {
             (0..n).map(|i| arm(i, 0.5)).chain((0..n).rev().map(|i| arm(i, 0.0))).collect::<Vec<_>>()
         };
         for n in [6, 50, 1000] {
-            for corners in [star(n), saw(n), comb(n), spiral(n)] {
+            // a spiral of few corners crosses itself
+            for corners in [star(n), saw(n), comb(n), spiral(n.max(50))] {
                 let next = corners.iter().cycle().skip(1);
                 let shoelace: f64 = corners.iter().zip(next).map(|(a, b)| a.perp_dot(*b) / 2.0).sum();
                 assert!(shoelace > 0.0);

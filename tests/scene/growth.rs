@@ -100,7 +100,7 @@ fn entries_of_a_scene_file() {
     let (scene, _) = timed("materials", &obj, "", &format!("{MESH}{SUN}{materials}"));
     assert!(scene.materials.iter().all(|m| m.diffuse == [0.25; 3]));
     let entry = |i: usize, text: &mut String| {
-        let _ = write!(text, "{{ file = \"a.obj\", translate = [{}, 0, {}] }},\n", i % 100, i / 100);
+        let _ = writeln!(text, "{{ file = \"a.obj\", translate = [{}, 0, {}] }},", i % 100, i / 100);
     };
     let one = format!("mtllib m.mtl\nusemtl m\n{TRIANGLE}f 1 2 3\n");
     let mtl = many(1000, |i, text| {
