@@ -165,7 +165,7 @@ mod tests {
     /// Directions integrate a known function: ∫ cosθ over the hemisphere is π, by two different laws.
     #[test]
     fn two_laws_give_one_integral() {
-        let by_cone = mean(|u| f64::from(cone(u, 0.0).z) * 2.0 * PI);
+        let by_cone = mean(|u| f64::from(cone(u, 1.0).z) * 2.0 * PI);
         assert_near("cone", by_cone / PI, 1.0);
     }
 }

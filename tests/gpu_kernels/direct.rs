@@ -101,7 +101,7 @@ fn irradiance(e: &PackedEmitter, p: DVec3) -> f64 {
             let wi = d.normalize();
             let mut falloff = 1.0;
             if kind == 2 {
-                let x = ((-wi.dot(e1) - e2.y) / (e2.x - e2.y)).clamp(0.0, 1.0);
+                let x = ((e2.y - 1.0 - wi.dot(e1)) / (e2.y - e2.x)).clamp(0.0, 1.0);
                 falloff = x * x * (3.0 - 2.0 * x);
             }
             strength * falloff * wi.y.max(0.0) / d.length_squared()
