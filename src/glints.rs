@@ -166,6 +166,11 @@ impl Glints {
         levels
     }
 
+    /// Where another device has found more so far, as many as it has: a render goes on with trees that did not grow before.
+    pub(crate) fn joined(&self, other: &Glints) -> Glints {
+        Self { size: self.size, turns: self.turns, levels: self.limited(&other.levels) }
+    }
+
     /// Trees in the [`List`] of an image with so many pixels, at most.
     pub fn most(pixels: u64) -> u64 {
         pixels * u64::from(GLINT_TREES)

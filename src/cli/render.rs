@@ -131,6 +131,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         Reason::Time => "the time is up",
         Reason::Error => "the error estimate is small enough",
         Reason::Interrupted => "interrupted",
+        Reason::Failed => "the device failed",
     };
     let error = rendered
         .error_estimate
