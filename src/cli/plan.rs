@@ -40,7 +40,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
-    let packed = pack(&scene, &settings);
+    let packed = pack(&scene, &settings)?;
     let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);
     let machine = Machine::REFERENCE;

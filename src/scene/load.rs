@@ -6,10 +6,10 @@ use super::scene_file::{self, CameraEntry, DEFAULT_SIZE, MeshEntry};
 use super::warnings::Warnings;
 use super::{Camera, Light, Material, Mesh, Scene, frame, rule, text, validate};
 use crate::bands::{self, BANDS};
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 use glam::DVec3;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the material of faces that name none.
 const UNNAMED: &str = "(none)";
@@ -42,6 +42,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
         assembly.add(read_mesh(entry, path, &mut warnings)?, &entry.file, &mut warnings)?;
     }
     assembly.check_overrides()?;
+    let files = [vec![path.to_owned()], assembly.files].concat();
     let (mesh, materials) = (assembly.mesh, assembly.materials);
     validate::surfaces(path, &mesh)?;
     validate::light(path, &mesh, &materials, &description.lights)?;
@@ -51,14 +52,14 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
         None => frame::frame(&mesh, &materials, &description.lights, size),
     };
     let warnings = warnings.into_lines();
-    Ok(Scene { camera, size, mesh, materials, lights: description.lights, warnings })
+    Ok(Scene { camera, size, mesh, materials, lights: description.lights, warnings, files })
 }
 
 fn load_obj(path: &Path) -> Result<Scene> {
     let mut warnings = Warnings::default();
     let mut assembly = Assembly::new(&[]);
     assembly.add(obj::read(path, 1.0, DVec3::ZERO, &mut warnings)?, path, &mut warnings)?;
-    let (mesh, materials) = (assembly.mesh, assembly.materials);
+    let (mesh, materials, files) = (assembly.mesh, assembly.materials, assembly.files);
     validate::surfaces(path, &mesh)?;
     let size = DEFAULT_SIZE;
     let camera = frame::frame(&mesh, &materials, &[], size);
@@ -67,7 +68,7 @@ fn load_obj(path: &Path) -> Result<Scene> {
         warnings.add(path, None, "no light; a point light is put at the camera");
         lights.push(headlight(&camera));
     }
-    Ok(Scene { camera, size, mesh, materials, lights, warnings: warnings.into_lines() })
+    Ok(Scene { camera, size, mesh, materials, lights, warnings: warnings.into_lines(), files })
 }
 
 /// A light at the eye that shows a white surface at the target, seen face on, with radiance 1.
@@ -82,9 +83,13 @@ fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result
         let what = format!("mesh file {} is not of a known format", entry.file.display());
         return Err(Error::scene(scene, Some(entry.line), what, "give an .obj file"));
     }
-    if !entry.file.is_file() {
+    let Ok(meta) = entry.file.metadata() else {
         let what = format!("mesh file {} does not exist", entry.file.display());
         return Err(Error::scene(scene, Some(entry.line), what, "paths are relative to the scene file"));
+    };
+    if let Some(kind) = input::other_kind(&meta) {
+        let what = format!("mesh file {} is a {kind}", entry.file.display());
+        return Err(Error::scene(scene, Some(entry.line), what, "name a file"));
     }
     obj::read(&entry.file, entry.scale, entry.translate, warnings)
 }
@@ -108,11 +113,13 @@ struct Assembly<'a> {
     overrides: &'a [RawMaterial],
     /// Names of materials that some face uses.
     used: Vec<String>,
+    /// Files that were read.
+    files: Vec<PathBuf>,
 }
 
 impl<'a> Assembly<'a> {
     fn new(overrides: &'a [RawMaterial]) -> Self {
-        Self { mesh: Mesh::default(), materials: Vec::new(), overrides, used: Vec::new() }
+        Self { mesh: Mesh::default(), materials: Vec::new(), overrides, used: Vec::new(), files: Vec::new() }
     }
 
     fn add(&mut self, file: ObjFile, path: &Path, warnings: &mut Warnings) -> Result<()> {
@@ -138,6 +145,7 @@ impl<'a> Assembly<'a> {
             let material = self.material(name.as_deref(), *line, &index_of, path, warnings)?;
             self.materials.push(material);
         }
+        self.files.extend(file.files);
         self.mesh.positions.extend(file.mesh.positions);
         self.mesh.normals.extend(file.mesh.normals);
         self.mesh.triangles.extend(file.mesh.triangles.into_iter().map(|mut t| {

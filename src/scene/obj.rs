@@ -6,10 +6,10 @@
 use super::mtl::{self, RawMaterial};
 use super::warnings::Warnings;
 use super::{Mesh, Triangle, clean, polygon, text};
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 use glam::DVec3;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A triangle whose area is below this share of its longest edge squared is a line to f64 rounding.
 const DEGENERATE_SHARE: f64 = 1e-12;
@@ -17,6 +17,9 @@ const DEGENERATE_SHARE: f64 = 1e-12;
 const FLAT_TOLERANCE: f64 = 1e-6;
 /// Largest coordinate, world units: squares of distances must stay finite in f32.
 const MAX_COORDINATE: f64 = 1e15;
+
+/// Bytes of memory that a face takes while it is read, at least: three corners and normals of the parser, and a triangle.
+const MEMORY_PER_FACE: u64 = (6 * size_of::<u32>() + size_of::<Triangle>()) as u64;
 
 /// A mesh file before its materials are looked up.
 #[derive(Debug)]
@@ -27,17 +30,21 @@ pub(crate) struct ObjFile {
     pub(crate) materials: Vec<(Option<String>, usize)>,
     /// All that the material libraries define.
     pub(crate) library: Vec<RawMaterial>,
+    /// The files that were read: the mesh and its material libraries.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// Reads an OBJ file; positions become `scale` · position + `translate`.
 pub(crate) fn read(path: &Path, scale: f64, translate: DVec3, warnings: &mut Warnings) -> Result<ObjFile> {
     let source = text::read(path)?;
     let clean = clean::clean(&source, path, warnings)?;
-    let library = libraries(&clean, path, warnings);
+    input::check_memory(path, clean.faces.len() as u64 * MEMORY_PER_FACE)?;
+    let mut files = vec![path.to_owned()];
+    let library = libraries(&clean, path, &mut files, warnings);
     let mut builder = Builder { path, mesh: Mesh::default(), normal_of: HashMap::new(), warnings };
     let mut materials: Vec<(Option<String>, usize)> = Vec::new();
     if clean.faces.is_empty() {
-        return Ok(ObjFile { mesh: builder.mesh, materials, library });
+        return Ok(ObjFile { mesh: builder.mesh, materials, library, files });
     }
     let parsed = parse(&clean.text, path)?;
     builder.mesh.positions =
@@ -66,7 +73,7 @@ pub(crate) fn read(path: &Path, scale: f64, translate: DVec3, warnings: &mut War
         );
         start = end;
     }
-    Ok(ObjFile { mesh: builder.mesh, materials, library })
+    Ok(ObjFile { mesh: builder.mesh, materials, library, files })
 }
 
 /// Parses cleaned text: a single model, polygons kept.
@@ -79,12 +86,18 @@ fn parse(text: &str, path: &Path) -> Result<tobj::Mesh> {
     models.into_iter().next().map(|model| model.mesh).ok_or_else(|| fault(tobj::LoadError::FaceParseError))
 }
 
-/// Reads the libraries that the file names; one that is missing or unreadable is a warning.
-fn libraries(clean: &clean::Clean, path: &Path, warnings: &mut Warnings) -> Vec<RawMaterial> {
+/// Reads the libraries that the file names, and adds them to `files`; one that is missing or unreadable is a warning.
+fn libraries(
+    clean: &clean::Clean,
+    path: &Path,
+    files: &mut Vec<PathBuf>,
+    warnings: &mut Warnings,
+) -> Vec<RawMaterial> {
     let directory = path.parent().unwrap_or(Path::new(""));
     let mut library = Vec::new();
     for (line, names) in &clean.libraries {
         for found in mtl::locate(names, directory) {
+            files.extend(found.iter().cloned());
             match found.map(|file| mtl::read(&file, warnings)) {
                 Ok(Ok(materials)) => library.extend(materials),
                 Ok(Err(error)) => warnings.add(path, Some(*line), error.to_string()),
