@@ -401,6 +401,19 @@ mod tests {
         assert_eq!((trees(5), trees(6), trees(MIDDLE + 2)), (0.0, 0.0, 0.0));
     }
 
+    /// A device that goes on has no fewer trees in any pixel than the one before it and than its own pilot found.
+    #[test]
+    fn a_device_that_goes_on_has_no_fewer_trees() {
+        let own = marked();
+        let before = after(4, &own, |pass, pixel| if pixel == 3 && pass == 2 { 8.0 } else { 0.0 });
+        let joined = own.joined(&before);
+        assert_ne!(joined, own);
+        for pixel in 0..PIXELS {
+            let most = own.trees_a_pass(pixel).max(before.trees_a_pass(pixel));
+            assert_eq!(joined.trees_a_pass(pixel), most, "{pixel}");
+        }
+    }
+
     /// Trees are limited by the pixels, and what has some loses none.
     #[test]
     fn trees_are_limited_and_none_is_lost() {

@@ -126,7 +126,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         }
         // where the others do not open either, it is the first failure that is told
         let (mut backend, line, kept) = devices.open(&packed, &wanted).ok()?;
-        bar.suspend(|| say(&format!("{}; from pass {} on {line}", failed.what, failed.passes + 1)));
+        bar.suspend(|| say(&format!("{line}, from pass {} on: {}", failed.passes + 1, failed.what)));
         if a.timings {
             backend.measure_kernels();
         }

@@ -107,7 +107,8 @@ impl Context {
         let keep = Arc::clone(&failure);
         device.set_device_lost_callback(move |_, words| {
             if let Ok(mut first) = keep.lock() {
-                *first = Some(format!("the device is lost: {words}"));
+                let why = if words.is_empty() { words } else { format!(": {words}") };
+                *first = Some(format!("the device is lost{why}"));
             }
         });
         Ok(Self { device, queue, info, limits, adapter: adapter.clone(), failure })
