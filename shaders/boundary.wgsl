@@ -31,8 +31,6 @@ const WHOLE_AREA: f32 = 0.97;
 const WHOLE_CENTROID: f32 = 0.04;
 // The pilot looks a little further than the largest radius, because pixels are jittered.
 const PILOT_REACH: f32 = 1.15;
-// A fit may raise the variance of a joton's weight by this factor at most; beyond, the area alone is corrected.
-const AMPLIFICATION_MAX: f32 = 20.0;
 
 fn edge_near(pixel: u32) -> bool {
     let rows = rows_about(pixel);
@@ -53,7 +51,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let is_pixel = pixel != NO_PIXEL;
     let at = select(0u, held(pixel), is_pixel);
     let point = gather_points[at];
-    let pilot = pass_info.pass_index == PILOT_PASS;
+    let pilot = own(pass_info.pass_index) == PILOT_PASS;
     let r = map_info.radius * select(1.0, PILOT_REACH, pilot);
     let disc = PI * r * r;
     let direct_view = ((point.surface >> 24u) & 63u) == 0u;
@@ -135,9 +133,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             let xy = mm.y / m.x - center.x * center.y;
             let yy = mm.z / m.x - center.y * center.y;
             let det = xx * yy - xy * xy;
-            let slope = vec2(yy * center.x - xy * center.y, xx * center.y - xy * center.x) / max(det, 1e-12);
+            let least = FIT_DETERMINANT_MIN * DISC_DETERMINANT;
+            let slope = vec2(yy * center.x - xy * center.y, xx * center.y - xy * center.x) / max(det, least);
             let amplification = 1.0 + dot(center, slope);
-            if det > 1e-6 && amplification > 0.0 && amplification < AMPLIFICATION_MAX {
+            if det >= least && amplification < FIT_AMPLIFICATION_MAX {
                 c = vec4(amplification, -slope, 0.0) / area;
             } else {
                 c = vec4(1.0 / area, 0.0, 0.0, 0.0);

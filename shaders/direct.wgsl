@@ -20,13 +20,12 @@
 @group(1) @binding(2) var<storage, read_write> film_direct: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
 
-// A shadow ray ends this much (relative) before the light, so that the light does not shade itself.
-const SHADOW_END: f32 = 0.9999;
-
 struct LightSample {
     // Unit, toward the light.
     wi: vec3<f32>,
     distance: f32,
+    // Where a shadow ray ends: lifted off the light, so that it does not shade itself.
+    end: vec3<f32>,
     // Irradiance across the beam over the probability of this sample.
     weight: Bands,
     // pdf_solid_angle with the pick; 0 where no BSDF sample can find the emitter.
@@ -38,21 +37,24 @@ fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let e = emitters[pick.emitter];
     if is_triangle(e.kind) {
         let b = sample_triangle(vec2(pick.rest, u.y));
-        let d = e.origin + b.x * e.e1 + b.y * e.e2 - p;
+        let normal = normalize(cross(e.e1, e.e2));
+        let lift = lift_of(normal, abs(e.origin) + abs(e.e1) + abs(e.e2));
+        let end = e.origin + b.x * e.e1 + b.y * e.e2 + normal * lift;
+        let d = end - p;
         let distance2 = dot(d, d);
         let wi = d * inverseSqrt(max(distance2, 1e-30));
-        let cos_light = max(0.0, -dot(wi, normalize(cross(e.e1, e.e2))));
+        let cos_light = max(0.0, -dot(wi, normal));
         let inverse_pdf = cos_light * e.area / (max(distance2, 1e-30) * e.pick);
-        return LightSample(wi, sqrt(distance2), e.strength * inverse_pdf, 1.0 / max(inverse_pdf, 1e-30));
+        return LightSample(wi, sqrt(distance2), end, e.strength * inverse_pdf, 1.0 / max(inverse_pdf, 1e-30));
     }
     if e.kind == EMITTER_SUN {
-        return LightSample(-e.e1, 1e30, e.strength / e.pick, 0.0);
+        return LightSample(-e.e1, 1e30, vec3(0.0), e.strength / e.pick, 0.0);
     }
-    let d = e.origin - p;
+    let d = from_light(e, p);
     let distance2 = max(dot(d, d), 1e-30);
-    let wi = d * inverseSqrt(distance2);
-    let fall = select(1.0, spot_falloff(-dot(wi, e.e1), e.e2.x, e.e2.y), e.kind == EMITTER_SPOT);
-    return LightSample(wi, sqrt(distance2), e.strength * (fall / (distance2 * e.pick)), 0.0);
+    let fall = select(1.0, spot_falloff(one_minus_cos(d, e.e1), e.e2.x, e.e2.y), e.kind == EMITTER_SPOT);
+    let wi = -d * inverseSqrt(distance2);
+    return LightSample(wi, sqrt(distance2), p - d, e.strength * (fall / (distance2 * e.pick)), 0.0);
 }
 
 // Emitters whose distance is worth a look, one by one.
@@ -64,11 +66,12 @@ const NEAR_WIDTH: f32 = 0.5;
 // True where p may lie so near to an emissive triangle that shadow rays alone have fireflies. It depends on the place
 // only, so the choice of estimator costs no bias.
 fn near_emitter(p: vec3<f32>) -> bool {
-    if pass_info.emitters > NEAR_EMITTERS_MAX {
+    let count = own(pass_info.emitters);
+    if count > NEAR_EMITTERS_MAX {
         return true;
     }
     var near = false;
-    for (var i = 0u; i < pass_info.emitters; i += 1u) {
+    for (var i = 0u; i < count; i += 1u) {
         let e1 = emitters[i].e1;
         let center = (e1 + emitters[i].e2) / 3.0;
         let d = emitters[i].origin + center - p;
@@ -117,24 +120,26 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let geometric = decode_direction(point.normal);
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
-    let origin = offset_origin(point.position, geometric);
-    let seed = sequence_seed(pass_info.seed, pixel, STREAM_LIGHT);
+    let origin = point.position;
     let shared_weight = (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || near_emitter(point.position);
     let sample = sequence_index(index);
     var sum = Bands(0.0);
     var rays = 0u;
     var saved = 0u;
     let candidates = f32(pass_info.light_candidates);
-    for (var ray = 0u; ray < pass_info.shadow_rays; ray += 1u) {
+    for (var ray = 0u; ray < own(pass_info.shadow_rays); ray += 1u) {
         let u = random4(pass_info.seed, sample, pixel, DIMENSION_DIRECT + ray);
         // one of the candidates gets the shadow ray, by what each would give if nothing shaded it, for all of them [E24]
-        var picked = LightSample(vec3(0.0), 0.0, Bands(0.0), 0.0);
+        var picked = LightSample(vec3(0.0), 0.0, vec3(0.0), Bands(0.0), 0.0);
         var given = Bands(0.0);
         var reservoir = Reservoir(0.0, u.w);
         var found = 0u;
-        let first = (sample * pass_info.shadow_rays + ray) * pass_info.light_candidates;
-        for (var k = 0u; k < pass_info.light_candidates; k += 1u) {
-            let light = sample_light(origin, sobol2(first + k, seed));
+        let first = wide_sum(wide_product(sample, pass_info.shadow_rays * pass_info.light_candidates),
+            ray * pass_info.light_candidates);
+        for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
+            let at = wide_sum(first, k);
+            let seed = sequence_seed(seed_at(pass_info.seed, at.y), pixel, STREAM_LIGHT);
+            let light = sample_light(origin, sobol2(at.x, seed));
             let cos_receiver = dot(light.wi, shading);
             if cos_receiver > 0.0 && dot(light.wi, geometric) > 0.0 && max_band(light.weight) > 0.0 {
                 var weight = cos_receiver;
@@ -142,7 +147,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                     let pdf = candidates * light.pdf;
                     weight *= pdf / (pdf + pdf_brdf(m, shading, light.wi, wo));
                 }
-                let gives = eval_brdf(m, shading, light.wi, wo) * light.weight * weight;
+                var f = eval_brdf(m, shading, light.wi, wo);
+                if light.pdf <= 0.0 {
+                    // what has an area is met where the lobe is followed
+                    f += eval_narrow(m, shading, light.wi, wo);
+                }
+                let gives = f * light.weight * weight;
                 let size = max_band(gives);
                 if size > 0.0 {
                     found += 1u;
@@ -156,7 +166,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if max_band(given) > 0.0 {
             rays += 1u;
             saved += found - 1u;
-            if traverse(origin, picked.wi, picked.distance * SHADOW_END, true).triangle == MISS {
+            if !is_occluded(origin, picked.wi, picked.distance, picked.end) {
                 sum += given * (reservoir.total / (candidates * max_band(given)));
             }
         }

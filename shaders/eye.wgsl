@@ -36,22 +36,23 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let level = gather_points[held(pixel)].glint_level;
     let trees = trees_a_pass(level);
     var splits = Splits(1.0, 1.0);
-    var origin = pass_info.eye;
-    var direction = camera_direction(pixel, jitter);
+    let camera = camera_ray(pixel, jitter);
+    var start = Departure(camera.origin, 0.0);
+    var direction = camera.direction;
     var throughput = Bands(1.0);
     var emission = Bands(0.0);
-    var length = 0.0;
+    var path_length = camera.travelled;
     var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level);
     var events = 0u;
     var rays = 0u;
 
     loop {
         rays += 1u;
-        let hit = traverse(origin, direction, 1e30, false);
+        let hit = trace_ray(start.origin, direction, 1e30, start.t_back, false, vec3(0.0));
         if hit.triangle == MISS {
             break;
         }
-        length += hit.t;
+        path_length += hit.t;
         let s = surface_at(hit);
         let m = materials[s.material];
         let from_front = dot(direction, s.front) < 0.0;
@@ -74,19 +75,22 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if events < 2u {
             choice = select(choices.y, choices.x, events == 0u);
         }
-        choice *= kept;
-        if choice < scatter {
+        // lights without area are seen in a narrow lobe only from a path that stops there
+        let stop = select(scatter, max(scatter, NARROW_STOPS * c.mirror), is_narrow(m));
+        let ways = stop + c.mirror + c.reflect + c.transmit;
+        choice *= ways;
+        if choice < stop {
             let back = select(BACK_SIDE, 0u, from_front);
             point = GatherPoint(
-                s.position, s.material | (min(events, CHAIN_MAX) << 24u) | back,
-                throughput * (kept / scatter), length,
+                s.position + geometric * s.lift, s.material | (min(events, CHAIN_MAX) << 24u) | back,
+                throughput * (ways / stop), path_length,
                 encode_direction(geometric), encode_direction(shading), encode_direction(-direction), level,
             );
             break;
         }
         var event = EVENT_MIRROR;
-        if HAS_DIELECTRIC && choice >= scatter + c.mirror {
-            event = select(EVENT_TRANSMIT, EVENT_REFLECT, choice < scatter + c.mirror + c.reflect);
+        if HAS_DIELECTRIC && choice >= stop + c.mirror {
+            event = select(EVENT_TRANSMIT, EVENT_REFLECT, choice < stop + c.mirror + c.reflect);
         }
         let next = specular_scatter(m, event, direction, geometric, shading, from_front, random.yz);
         // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
@@ -97,10 +101,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         // [E9] radiance scales with the square of the index; flux does not
         let radiance_scale = select(1.0, next.eta_it * next.eta_it, event == EVENT_TRANSMIT);
-        throughput *= event_reflectance(m, event, reflectance) * (kept / (survives * event_chance(c, event)) * radiance_scale);
+        throughput *= event_reflectance(m, event, reflectance) * (ways / (survives * event_chance(c, event)) * radiance_scale);
         splits = splits_after(splits, c, event);
         direction = next.direction;
-        origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(direction, s.front) >= 0.0));
+        start = departure(s, direction, from_front);
         events += 1u;
         if steps > CAMERA_STEPS {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);

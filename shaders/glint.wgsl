@@ -44,16 +44,20 @@ struct Way {
     direction: vec3<f32>,
     splits: Splits,
     throughput: Bands,
+    // Back faces nearer than this are not met.
+    t_back: f32,
 }
 
-// Tree `number` of a pixel, which ends before `steps` comes to `budget`; weighed beside so many trees a pass, but in the pilot.
-fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
-    let jitter = sobol2(number, sequence_seed(pass_info.seed, pixel, STREAM_GLINT_JITTER));
+// Tree `number`, 64 bits, of a pixel, which ends before `steps` comes to `budget`; weighed beside so many trees a pass, but in the pilot.
+fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> Seen {
+    let seed = seed_at(pass_info.seed, number.y);
+    let jitter = sobol2(number.x, sequence_seed(seed, pixel, STREAM_GLINT_JITTER));
     var waiting: array<Way, WAITING_MAX>;
     var waits = 0u;
     var found = Seen(Bands(0.0), false, false, 0u);
     var node = 0u;
-    var way = Way(pass_info.eye, 0u, camera_direction(pixel, jitter), Splits(1.0, 1.0), Bands(1.0));
+    let camera = camera_ray(pixel, jitter);
+    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0);
     var alive = true;
     // each turn is a ray of whatever way: lanes that run in step do not wait for the ends of each other's ways
     while alive || waits > 0u {
@@ -63,7 +67,7 @@ fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
         }
         alive = false;
         found.rays += 1u;
-        let hit = traverse(way.origin, way.direction, 1e30, false);
+        let hit = trace_ray(way.origin, way.direction, 1e30, way.t_back, false, vec3(0.0));
         if hit.triangle == MISS {
             continue;
         }
@@ -84,7 +88,7 @@ fn tree(pixel: u32, number: u32, trees: f32, pilot: bool, budget: u32) -> Seen {
             continue;
         }
         found.direct = false;
-        let random = random4(pass_info.seed, number, pixel, DIMENSION_GLINT + node);
+        let random = random4(seed, number.x, pixel, DIMENSION_GLINT + node);
         node += 1u;
         // nothing is scattered or absorbed by chance here: only specular events lead to light
         let both = HAS_DIELECTRIC && takes_both(way.splits, c);
@@ -132,20 +136,21 @@ fn after(
     // [E9] radiance scales with the square of the index; flux does not
     let radiance_scale = select(1.0, scattered.eta_it * scattered.eta_it, event == EVENT_TRANSMIT);
     let d = scattered.direction;
-    let origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(d, s.front) >= 0.0));
+    let start = departure(s, d, from_front);
     let throughput = way.throughput * event_reflectance(m, event, reflectance) * radiance_scale;
-    let next = Way(origin, way.events + 1u, d, splits_after(way.splits, c, event), throughput);
+    let next = Way(start.origin, way.events + 1u, d, splits_after(way.splits, c, event), throughput, start.t_back);
     return Next(next, scattered.alive && max_band(throughput) > 0.0);
 }
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let index = linear_index(id, groups);
-    let pilot = pass_info.pass_index == PILOT_PASS;
+    let pilot = own(pass_info.pass_index) == PILOT_PASS;
     var pixel = NO_PIXEL;
     var trees = PILOT_TREES;
     var a_pass = 0.0;
-    var first = PILOT_PASS * PILOT_TREES;
+    // no pass has so high a number
+    var first = vec2(0u, PILOT_PASS);
     if pilot {
         pixel = live_pixel(index);
     } else if index < pass_info.glint_count {
@@ -155,8 +160,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         pixel = glint_pixel(entry);
         a_pass = trees_a_pass(level);
         trees = 1u;
-        first = pass_info.pass_index * trees_of(level) + index % trees_of(level);
-        first = select(first, pass_info.pass_index / pass_info.glint_turns, level == GLINT_TURNS);
+        first = wide_sum(wide_product(pass_info.pass_index, trees_of(level)), index % trees_of(level));
+        first = select(first, vec2(pass_info.pass_index / pass_info.glint_turns, 0u), level == GLINT_TURNS);
     }
     if pixel == NO_PIXEL {
         return;
@@ -170,7 +175,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     for (var i = 0u; i < trees; i += 1u) {
         // the trees to come keep their part
         let budget = CAMERA_STEPS - STEP_RAMP * (trees - 1u - i);
-        let found = tree(pixel, first + i, a_pass, pilot, budget);
+        let found = tree(pixel, wide_sum(first, i), a_pass, pilot, budget);
         emission += found.emission;
         square += dot(found.emission, found.emission);
         rays += found.rays;

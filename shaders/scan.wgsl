@@ -29,9 +29,10 @@ fn reduce(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
 }
 
 @compute @workgroup_size(1)
-fn spine() {
+fn spine(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     var sum = 0u;
-    for (var i = 0u; i < scan_info.blocks; i += 1u) {
+    linear_index(id, groups);
+    for (var i = 0u; i < own(scan_info.blocks); i += 1u) {
         let value = block_sums[i];
         block_sums[i] = sum;
         sum += value;

@@ -64,6 +64,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             steps += EMIT_STEPS + 3u * pass_info.targets;
             let start = emit(number);
             lane.origin = start.origin;
+            lane.t_back = 0.0;
             lane.direction = start.direction;
             lane.flux = start.flux;
             lane.status = PATH_START;
@@ -75,7 +76,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         let number = index + (lane.started - 1u) * map_info.lanes;
         let is_first = tally.rays == rays_before;
-        let hit = traverse(lane.origin, lane.direction, 1e30, false);
+        let hit = trace_ray(lane.origin, lane.direction, 1e30, lane.t_back, false, vec3(0.0));
         if traversal_cut {
             // the next dispatch has the driver's whole budget for this ray; where that was not enough, nothing is
             lane.status |= select(0u, LANE_CUT | LANE_DONE, is_first);
@@ -198,7 +199,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 continue;
             }
         }
-        lane.origin = offset_origin(s.position, s.front * select(-1.0, 1.0, dot(lane.direction, s.front) >= 0.0));
+        let start = departure(s, lane.direction, from_front);
+        lane.origin = start.origin;
+        lane.t_back = start.t_back;
         lane.status += LANE_EVENT;
     }
     tally.stored += lane.stored - stored_before;

@@ -8,6 +8,9 @@ use crate::rest::Rest;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+/// Most passes of a render: random numbers know a pass by 32 bits, and the last of them is the pilot's.
+pub const PASSES_MAX: u64 = u32::MAX as u64;
+
 /// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
 /// gives the same sums up to rounding.
 pub trait Backend {
@@ -68,7 +71,7 @@ pub trait Backend {
         Ok(())
     }
 
-    /// Render passes `first .. first + count`, numbered from 0.
+    /// Render passes `first .. first + count`, numbered from 0, below [`PASSES_MAX`].
     ///
     /// # Errors
     /// [`crate::Error::Device`] where the device fails, [`crate::Error::Capacity`] where a pass does not fit.

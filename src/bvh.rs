@@ -3,9 +3,12 @@
 //! The only file that names obvhs. Triangles are reordered to leaf order on the way, so that a leaf's
 //! primitive index is a triangle's index.
 
+mod split;
+
 use glam::{UVec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
+use obvhs::bvh2::{Bvh2, node::Bvh2Node};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris, bvh2_to_cwbvh::bvh2_to_cwbvh, node::CwBvhNode};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{BvhBuildParams, traverse, triangle::Triangle};
 use std::time::Duration;
@@ -39,10 +42,14 @@ pub struct Hit {
     pub v: f32,
 }
 
-/// Origin and edges of a triangle, as `intersect_triangle` wants them.
-pub trait Edges {
+/// What a traversal asks of a triangle.
+pub trait Face {
     /// First vertex, and the edges from it to the second and third.
     fn edges(&self) -> [Vec3; 3];
+
+    /// Which of several faces in one place a ray meets: the one of the highest rank. `is_front`: the ray comes from the side
+    /// where the vertices run counter-clockwise.
+    fn rank(&self, is_front: bool) -> u32;
 }
 
 impl Bvh {
@@ -56,7 +63,13 @@ impl Bvh {
             BvhBuildParams::medium_build()
         };
         params.max_prims_per_leaf = TRIANGLES_PER_LEAF;
-        let mut wide = build_cwbvh_from_tris(&triangles, params, &mut Duration::default());
+        let boxes: Vec<[Vec3; 2]> =
+            vertices.iter().map(|[a, b, c]| [a.min(*b).min(*c), a.max(*b).max(*c)]).collect();
+        let mut wide = if split::stalls(&boxes) {
+            widened(split::tree(&boxes))
+        } else {
+            build_cwbvh_from_tris(&triangles, params, &mut Duration::default())
+        };
         let order = std::mem::take(&mut wide.primitive_indices);
         (Self { wide }, order)
     }
@@ -85,42 +98,122 @@ impl Bvh {
         deepest
     }
 
-    /// The nearest triangle with distance in `(0, t_max)`; `direction` is a unit vector (see [`Bvh::occluded`]).
-    pub fn closest<T: Edges>(
+    /// The nearest triangle with distance in `(0, t_max)`; `direction` is a unit vector. Of faces in one place the one of the
+    /// highest [`Face::rank`].
+    pub fn closest<T: Face>(
         &self,
         triangles: &[T],
         origin: Vec3,
         direction: Vec3,
         t_max: f32,
     ) -> Option<Hit> {
-        let ray = ray(origin, direction, t_max);
-        let (mut hit, mut uv) = (RayHit::none(), (0.0, 0.0));
-        let found = self.wide.ray_traverse(ray, &mut hit, |ray, id| {
-            match intersect_triangle(ray.origin, ray.direction, &triangles[id]) {
-                Some((t, u, v)) if t < ray.tmax => {
-                    uv = (u, v);
-                    t
-                }
-                _ => f32::INFINITY,
+        self.closest_from_within(triangles, origin, direction, t_max, 0.0)
+    }
+
+    /// The same for a ray out of a body, which starts a little inside of it: back faces nearer than `t_back` do not count.
+    pub(crate) fn closest_from_within<T: Face>(
+        &self,
+        triangles: &[T],
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+        t_back: f32,
+    ) -> Option<Hit> {
+        let mut nearest: Option<(Hit, f32)> = None;
+        let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
+        self.wide.ray_traverse(ray(origin, direction, t_max), &mut RayHit::none(), |_, id| {
+            let Some(m) = meet(from, along, &triangles[id]) else { return f32::INFINITY };
+            if m.t >= t_max || (!m.is_front && m.t <= t_back) {
+                return f32::INFINITY;
             }
+            let hit = Hit { triangle: id as u32, t: m.t, u: m.u, v: m.v };
+            let is_first = nearest.is_none_or(|(best, error)| {
+                let apart = m.t - best.t;
+                if apart.abs() > m.t_error + error {
+                    return apart < 0.0;
+                }
+                let near = origin + direction * best.t;
+                let [new, old] =
+                    [id, best.triangle as usize].map(|i| Crossing::of(near, direction, &triangles[i]));
+                new.comes_before(&old).unwrap_or(hit.triangle < best.triangle)
+            });
+            if !is_first {
+                return f32::INFINITY;
+            }
+            nearest = Some((hit, m.t_error));
+            // what lies in the same place is looked at, too
+            (m.t + m.t_error) * OBVHS_UNITS
         });
-        found.then_some(Hit { triangle: hit.primitive_id, t: hit.t, u: uv.0, v: uv.1 })
+        nearest.map(|(hit, _)| hit)
     }
 
     /// True where some triangle lies in `(0, t_max)`, in units of the ray's direction.
-    pub fn occluded<T: Edges>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> bool {
-        // obvhs leaves out boxes that end before t = 1e-4, whatever the direction's length: a shadow ray to the sun, 4096
-        // units long, would not see what stands within 0.4
-        let length = direction.length();
-        let ray = ray(origin, direction / length, t_max * length);
-        !self.wide.ray_traverse_miss(ray, |ray, id| {
-            intersect_triangle(ray.origin, ray.direction, &triangles[id]).map_or(f32::INFINITY, |h| h.0)
+    pub fn occluded<T: Face>(&self, triangles: &[T], origin: Vec3, direction: Vec3, t_max: f32) -> bool {
+        let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
+        !self.wide.ray_traverse_miss(ray(origin, direction, t_max), |_, id| {
+            match meet(from, along, &triangles[id]) {
+                Some(m) if m.t < t_max => 0.0,
+                _ => f32::INFINITY,
+            }
         })
     }
 
+    /// True where some triangle lies between two points.
+    pub fn stands_between<T: Face>(&self, triangles: &[T], from: Vec3, to: Vec3) -> bool {
+        let direction = to - from;
+        let (origin, along) = (Vec3A::from(from), Vec3A::from(direction));
+        !self.wide.ray_traverse_miss(ray(from, direction, 1.0), |_, id| {
+            let Some(m) = meet(origin, along, &triangles[id]) else { return f32::INFINITY };
+            let apart = m.t - 1.0;
+            let is_before = if apart.abs() > m.t_error + END_ROUNDING {
+                apart < 0.0
+            } else {
+                Crossing::of(to, direction, &triangles[id]).t < 0.0
+            };
+            if is_before { 0.0 } else { f32::INFINITY }
+        })
+    }
+
+    /// Nodes and triangles that a kernel looks at to find the nearest triangle in `(0, t_max)`, or just any; `direction` is a unit
+    /// vector.
+    pub fn steps<T: Face>(
+        &self,
+        triangles: &[T],
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+        any: bool,
+    ) -> u32 {
+        let mut ray = ray(origin, direction, t_max);
+        let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
+        let mut state = self.wide.new_traversal(ray.direction);
+        let mut node;
+        let mut steps = 0;
+        let node_hits = |node: &CwBvhNode, ray: &Ray, steps: &mut u32, oct_inv4| {
+            *steps += 1;
+            node.intersect_ray(ray, oct_inv4)
+        };
+        traverse!(self.wide, node, state, node_hits(node, &ray, &mut steps, state.oct_inv4), {
+            steps += 1;
+            let hit = meet(from, along, &triangles[state.primitive_id as usize]);
+            if let Some(m) = hit.filter(|m| m.t * OBVHS_UNITS < ray.tmax) {
+                ray.tmax = m.t * OBVHS_UNITS;
+                if any {
+                    return steps;
+                }
+            }
+        });
+        steps
+    }
+
     /// Ask `visit` to look at every triangle whose bounds come within `reach` of a point along each axis, and at some others.
-    pub fn near(&self, point: Vec3, reach: f32, mut visit: impl FnMut(u32)) {
-        let about = Aabb::new((point - reach).into(), (point + reach).into());
+    pub fn near(&self, point: Vec3, reach: f32, visit: impl FnMut(u32)) {
+        self.within([point - reach, point + reach], visit);
+    }
+
+    /// Ask `visit` to look at every triangle whose bounds meet a box, and at some others.
+    pub fn within(&self, [low, high]: [Vec3; 2], mut visit: impl FnMut(u32)) {
+        let about = Aabb::new(low.into(), high.into());
         let mut state = self.wide.new_traversal(Vec3A::ONE);
         let mut node;
         traverse!(self.wide, node, state, node.intersect_aabb(&about, state.oct_inv4), {
@@ -137,15 +230,44 @@ impl Bvh {
         reach: f32,
         mut accept: impl FnMut(u32) -> bool,
     ) -> bool {
-        let ray = ray(point - along * reach, along, 2.0 * reach);
-        !self.wide.ray_traverse_miss(ray, |_, id| if accept(id as u32) { 0.0 } else { f32::INFINITY })
+        let line = ray(point - along * reach, along, 2.0 * reach);
+        !self.wide.ray_traverse_miss(line, |_, id| if accept(id as u32) { 0.0 } else { f32::INFINITY })
     }
 }
 
-/// A ray without negative zeros: obvhs takes their sign for the reciprocal and not for the octant, and misses everything.
+/// A compressed wide hierarchy from a binary one.
+fn widened((nodes, order): (Vec<split::SplitNode>, Vec<u32>)) -> CwBvh {
+    let node = |n: &split::SplitNode| {
+        let [low, high] = n.bounds;
+        Bvh2Node::new(Aabb { min: low.into(), max: high.into() }, n.count, n.first)
+    };
+    let mut binary = Bvh2::default();
+    binary.nodes = nodes.iter().map(node).collect();
+    binary.primitive_indices = order;
+    binary.children_are_ordered_after_parents = true;
+    bvh2_to_cwbvh(&binary, TRIANGLES_PER_LEAF, true, false)
+}
+
+/// obvhs leaves out boxes that end before t = 1e-4. Its rays get a direction this many times shorter, a power of two, so that
+/// no box of a scene ends there: what lies at a distance t has this many times as much of it.
+const OBVHS_UNITS: f32 = (1 << 20) as f32;
+
+/// Smallest divisor of a ray's direction.
+const TINY: f32 = 1e-20;
+
+/// A ray for the boxes of obvhs. Its own divides by nothing smaller than 1e-7, and takes the sign of a negative zero for the
+/// reciprocal and not for the octant.
 fn ray(origin: Vec3, direction: Vec3, t_max: f32) -> Ray {
-    // −0 + 0 is 0
-    Ray::new(origin.into(), (direction + Vec3::ZERO).into(), 0.0, t_max)
+    let divisor = |x: f32| if x.abs() >= TINY { x } else { TINY.copysign(x + 0.0) };
+    let [x, y, z] = direction.to_array().map(divisor);
+    let safe = Vec3A::new(x, y, z);
+    Ray {
+        origin: origin.into(),
+        direction: safe / OBVHS_UNITS,
+        inv_direction: safe.recip() * OBVHS_UNITS,
+        tmin: 0.0,
+        tmax: t_max * OBVHS_UNITS,
+    }
 }
 
 /// Barycentric slack: rays that meet an edge hit one triangle or the other, never neither …
@@ -156,9 +278,21 @@ const EDGE_ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 /// A ray that lies in the triangle's plane, but for rounding, has no weights: the slack ends here.
 const EDGE_SLACK_MAX: f32 = 1.0;
 
-/// Distance and barycentric weights where a ray meets a triangle from either side (Möller & Trumbore 1997).
+/// Where a ray meets a triangle.
+struct Meeting {
+    /// Distance in units of the ray's direction, and how far rounding may move it.
+    t: f32,
+    t_error: f32,
+    /// Barycentric weights of the second and third vertex.
+    u: f32,
+    v: f32,
+    /// The ray comes from the side where the vertices run counter-clockwise.
+    is_front: bool,
+}
+
+/// Where a ray meets a triangle from either side (Möller & Trumbore 1997).
 #[inline(always)]
-fn intersect_triangle<T: Edges>(origin: Vec3A, direction: Vec3A, triangle: &T) -> Option<(f32, f32, f32)> {
+fn meet<T: Face>(origin: Vec3A, direction: Vec3A, triangle: &T) -> Option<Meeting> {
     let [v0, e1, e2] = triangle.edges().map(Vec3A::from);
     let p = direction.cross(e2);
     let det = e1.dot(p);
@@ -168,9 +302,53 @@ fn intersect_triangle<T: Edges>(origin: Vec3A, direction: Vec3A, triangle: &T) -
     let q = s.cross(e1);
     let v = direction.dot(q) * inv_det;
     let t = e2.dot(q) * inv_det;
-    let rounding = EDGE_ROUNDING * s.abs().max_element() * inv_det.abs();
-    let slack = |edge: Vec3A| (EDGE_SLACK + rounding * edge.abs().max_element()).min(EDGE_SLACK_MAX);
-    let (slack_u, slack_v) = (slack(e2), slack(e1));
-    (u >= -slack_u && v >= -slack_v && u + v <= 1.0 + slack_u.max(slack_v) && t > 0.0 && det != 0.0)
-        .then_some((t, u, v))
+    let largest = |edge: Vec3A| edge.abs().max_element();
+    let rounding = EDGE_ROUNDING * largest(s) * inv_det.abs();
+    let [long_1, long_2] = [largest(e1), largest(e2)];
+    let slack = |long: f32| (EDGE_SLACK + rounding * long).min(EDGE_SLACK_MAX);
+    let (slack_u, slack_v) = (slack(long_2), slack(long_1));
+    let is_met = u >= -slack_u && v >= -slack_v && u + v <= 1.0 + slack_u.max(slack_v);
+    (is_met && t > 0.0 && det != 0.0).then(|| Meeting {
+        t,
+        t_error: rounding * long_1 * long_2,
+        u,
+        v,
+        is_front: det > 0.0,
+    })
+}
+
+/// By how much rounding moves the end of a ray between two points, in its length.
+const END_ROUNDING: f32 = 8.0 / (1 << 24) as f32;
+
+/// Part of a plane's coordinates by which rounding moves it: faces that are no further apart lie in one place.
+pub const ONE_PLACE: f32 = 3.0 / (1 << 24) as f32;
+
+/// Where a ray crosses a triangle's plane, from an origin near to it, where few digits are lost.
+struct Crossing {
+    t: f32,
+    t_error: f32,
+    rank: u32,
+}
+
+impl Crossing {
+    fn of<T: Face>(origin: Vec3, direction: Vec3, triangle: &T) -> Self {
+        let [v0, e1, e2] = triangle.edges();
+        let n = e1.cross(e2);
+        let across = direction.dot(n);
+        let error = ONE_PLACE * n.abs().dot(v0.abs() + e1.abs() + e2.abs());
+        Self {
+            t: (v0 - origin).dot(n) / across,
+            t_error: error / across.abs(),
+            rank: triangle.rank(across < 0.0),
+        }
+    }
+
+    /// Whether this is met before another one; none where they are alike in place and rank.
+    fn comes_before(&self, other: &Self) -> Option<bool> {
+        let apart = self.t - other.t;
+        if apart.abs() > self.t_error + other.t_error {
+            return Some(apart < 0.0);
+        }
+        (self.rank != other.rank).then_some(self.rank > other.rank)
+    }
 }

@@ -59,6 +59,16 @@ pub enum Error {
         /// What to do.
         remedy: String,
     },
+    /// The machine has too little memory free.
+    #[error(
+        "the render needs {need} bytes of memory, {free} are free; close other programs, allow the device less (--memory) or render a smaller image (--size)"
+    )]
+    Memory {
+        /// Bytes needed.
+        need: u64,
+        /// Bytes free.
+        free: u64,
+    },
 }
 
 impl Error {

@@ -4,14 +4,23 @@ use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
 use crate::rest::Rest;
 
-/// Bytes of host memory for a pixel, from the first pass to the written file: the film (96, and 48 where pixels rest) and
-/// what tells its error (120), glints (16), a batch (48 and its copy from the device), the picture (60), channels and screen values for
-/// the files (75), the backend's own state.
-const BYTES_PER_PIXEL: u64 = 632;
+/// Bytes of a pixel of a layer: its sum, the last sample where it rests, and a batch of it, whose place the picture takes.
+const LAYER_BYTES: u64 = 24 + 12 + 12;
+/// Bytes of a pixel of the whole picture, of who has trees (level, what they saw, a list), and of what the pilot found out of it.
+const PIXEL_BYTES: u64 = 12 + 17 + 64;
+/// Bytes of a pixel that is looked at to tell the error.
+const SAMPLE_BYTES: u64 = 120;
+/// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
+pub const SAMPLES_MAX: u64 = 1 << 21;
+/// Most pixels of an image: they are numbered in 28 bits.
+const PIXELS_MAX: u64 = 1 << 28;
 
-/// Bytes of host memory for an image.
-pub fn host_bytes(size: [u32; 2]) -> u64 {
-    (u64::from(size[0]) * u64::from(size[1])).saturating_mul(BYTES_PER_PIXEL)
+/// Bytes of host memory for an image of which so many layers hold light, from the first pass to the written file, at most. Where a
+/// layer is black none are taken.
+pub fn host_bytes(size: [u32; 2], layers: usize) -> u64 {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64;
+    pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
 }
 
 /// Refuse an image that does not fit the memory that is left, before any of it is taken.
@@ -19,9 +28,9 @@ pub fn host_bytes(size: [u32; 2]) -> u64 {
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2]) -> Result<()> {
-    let need = host_bytes(size);
-    // pixels and jotons are numbered in 32 bits, with a few to spare
-    let limit = crate::memory::available().unwrap_or(u64::MAX).min(BYTES_PER_PIXEL << 28);
+    let need = host_bytes(size, LAYERS);
+    let most = PIXELS_MAX * (PIXEL_BYTES + LAYER_BYTES * LAYERS as u64);
+    let limit = crate::memory::available().unwrap_or(u64::MAX).min(most);
     if need > limit {
         let remedy = "render a smaller image (--size)".to_string();
         return Err(Error::Capacity { buffer: "the film", need, limit, remedy });
@@ -156,12 +165,16 @@ impl Film {
             for run in &runs {
                 let weight = run.weight as f64;
                 for pixels in run.pixels(width) {
+                    // black pixels are left alone: pages of zeros that are never written take no memory
                     if run.weight > passes {
-                        last[pixels.clone()].copy_from_slice(&layer[pixels.clone()]);
+                        let pairs = last[pixels.clone()].iter_mut().zip(&layer[pixels.clone()]);
+                        pairs.filter(|(last, l)| *last != *l).for_each(|(last, l)| *last = *l);
                     }
                     for (s, l) in sum[pixels.clone()].iter_mut().zip(&layer[pixels]) {
-                        for b in 0..BANDS {
-                            s[b] += weight * f64::from(l[b]);
+                        if *l != [0.0; BANDS] {
+                            for b in 0..BANDS {
+                                s[b] += weight * f64::from(l[b]);
+                            }
                         }
                     }
                 }
@@ -192,10 +205,15 @@ impl Film {
     /// The mean of the passes, whole and by layer.
     pub fn picture(&self) -> Picture {
         let n = self.passes.max(1) as f64;
-        let image = |f: &dyn Fn(usize) -> [f64; BANDS]| Image {
-            width: self.width,
-            height: self.height,
-            pixels: (0..self.sums[0].len()).map(|p| f(p).map(|x| (x / n) as f32)).collect(),
+        let image = |f: &dyn Fn(usize) -> [f64; BANDS]| {
+            let mut image = Image::new(self.width, self.height);
+            for (p, pixel) in image.pixels.iter_mut().enumerate() {
+                let sum = f(p);
+                if sum != [0.0; BANDS] {
+                    *pixel = sum.map(|x| (x / n) as f32);
+                }
+            }
+            image
         };
         Picture {
             whole: image(&|p| self.sum_of_layers(p)),

@@ -5,6 +5,7 @@ use crate::bands::{BANDS, Bands};
 use crate::film::{Film, Layer, RELATIVE_OFFSET};
 use crate::layout::{GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS};
 use crate::neighbours::around;
+use crate::rng::purpose::STREAM_TURN;
 use crate::rng::sequence_seed;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -22,8 +23,6 @@ const PILOT_DOUBLINGS_MAX: u8 = 1;
 const WORTH: f32 = 512.0;
 /// What varies in a pixel may vary in one of its eight neighbours, too: lamps in glass are long and thin.
 const NEIGHBOURS: f32 = 9.0;
-/// Seeds of the passes in which a pixel's sparse trees grow.
-const STREAM_TURN: u32 = 0x7475_726e;
 
 /// What a pilot's trees saw of light in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,14 +102,17 @@ impl Glints {
     }
 
     /// The numbers of a pixel's trees of a pass. They only become more, at powers of two of passes: none comes twice.
-    pub fn numbers(&self, pixel: u32, pass: u32, seed: u32) -> Range<u32> {
+    pub fn numbers(&self, pixel: u32, pass: u32, seed: u32) -> Range<u64> {
         match self.levels[pixel as usize] {
             NONE => 0..0,
             NOW_AND_THEN if pass % self.turns != self.turn(pixel, seed) => 0..0,
-            NOW_AND_THEN => pass / self.turns..pass / self.turns + 1,
+            NOW_AND_THEN => {
+                let number = u64::from(pass / self.turns);
+                number..number + 1
+            }
             level => {
-                let first = pass.wrapping_mul(trees_of(level));
-                first..first.wrapping_add(trees_of(level))
+                let trees = u64::from(trees_of(level));
+                u64::from(pass) * trees..(u64::from(pass) + 1) * trees
             }
         }
     }
@@ -234,26 +236,35 @@ pub(crate) struct Watch {
     batches: u64,
     /// Sums over the batches of trees times squared radiance, the latter summed over bands.
     squares: Vec<f32>,
-    /// Trees so far; the eye path counts for one.
-    trees: Vec<f32>,
+    /// Passes so far.
+    passes: f32,
+    /// Trees beyond one a pass, which is the eye path's.
+    more: Vec<f32>,
 }
 
 impl Watch {
     /// Nothing was seen yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
-        Self { batches: 0, squares: vec![0.0; pixels], trees: vec![0.0; pixels] }
+        Self { batches: 0, squares: vec![0.0; pixels], passes: 0.0, more: vec![0.0; pixels] }
     }
 
     /// Look at the emission of `passes` passes, summed.
     pub(crate) fn watch(&mut self, passes: u64, emission: &[Bands], glints: &Glints) {
         self.batches += 1;
         let passes = passes as f32;
-        let sums = self.squares.iter_mut().zip(&mut self.trees);
-        for (pixel, (radiance, (square, trees))) in emission.iter().zip(sums).enumerate() {
+        self.passes += passes;
+        let sums = self.squares.iter_mut().zip(&mut self.more);
+        for (pixel, (radiance, (square, more))) in emission.iter().zip(sums).enumerate() {
             let each = glints.trees_a_pass(pixel).max(1.0);
-            *square += each / passes * radiance.iter().map(|x| x * x).sum::<f32>();
-            *trees += each * passes;
+            let squared = radiance.iter().map(|x| x * x).sum::<f32>();
+            // pages of zeros that are never written take no memory
+            if squared > 0.0 {
+                *square += each / passes * squared;
+            }
+            if each > 1.0 {
+                *more += (each - 1.0) * passes;
+            }
         }
     }
 
@@ -264,7 +275,8 @@ impl Watch {
         let seen = (self.batches - 1).max(1) as f32;
         let varies = |pixel: usize| {
             let squared = |sum: [f64; BANDS]| sum.iter().map(|x| (*x as f32 / passes).powi(2)).sum::<f32>();
-            let mean = squared(film.sum(Layer::Emission as usize, pixel)) * self.trees[pixel] / seen;
+            let mean =
+                squared(film.sum(Layer::Emission as usize, pixel)) * (self.passes + self.more[pixel]) / seen;
             relative_variance(self.squares[pixel] / seen, mean, squared(film.sum_of_layers(pixel)))
         };
         let found: Vec<f32> = (0..glints.levels.len()).into_par_iter().map(varies).collect();
@@ -376,7 +388,7 @@ mod tests {
                 }
                 for (pixel, grown) in (0u32..).zip(grown) {
                     let wanted = if pixels.contains(&pixel) {
-                        glints.numbers(pixel, pass as u32, 5).len() as u32
+                        glints.numbers(pixel, pass as u32, 5).count() as u32
                     } else {
                         0
                     };

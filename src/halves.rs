@@ -5,7 +5,7 @@
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
 use crate::bands::BANDS;
-use crate::film::{Film, LAYERS, Layer, Picture, RELATIVE_OFFSET};
+use crate::film::{Film, LAYERS, Layer, Picture, RELATIVE_OFFSET, SAMPLES_MAX};
 use crate::rest::{Rest, Run};
 use rayon::prelude::*;
 
@@ -23,11 +23,57 @@ const BIAS_SAFETY: f64 = 4.0;
 /// that fills a tenth of a pixel is often seen by one half alone, and a line through two passes goes anywhere.
 const TRUSTING_PASSES: f64 = 8.0;
 
+/// The pixels that tell the error: all, or a lattice of a large image.
+#[derive(Debug, Clone, Copy)]
+struct Lattice {
+    /// Pixels of the image across.
+    width: usize,
+    /// Pixels from one to the next, across and down.
+    step: usize,
+    /// Pixels of the lattice across and down.
+    size: [usize; 2],
+}
+
+impl Lattice {
+    /// The finest of at most `most` pixels.
+    fn new(size: [u32; 2], most: u64) -> Self {
+        let [width, height] = size.map(|n| n as usize);
+        let of = |step: usize| [width.div_ceil(step), height.div_ceil(step)];
+        let mut step = 1;
+        while of(step).iter().map(|n| *n as u64).product::<u64>() > most.max(1) {
+            step += 1;
+        }
+        Self { width, step, size: of(step) }
+    }
+
+    fn len(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
+    /// The pixel of the image.
+    fn pixel(&self, sample: usize) -> usize {
+        let [across, _] = self.size;
+        sample / across * self.step * self.width + sample % across * self.step
+    }
+
+    /// Those in a run: for each row the first of them, and the first and the end of the pixels in the image.
+    fn rows<'a>(&'a self, run: &'a Run) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + 'a {
+        let first = run.columns.start.next_multiple_of(self.step);
+        let rows = run.rows.clone().filter(move |y| y.is_multiple_of(self.step) && first < run.columns.end);
+        rows.map(move |y| {
+            let pixels = y * self.width + first..y * self.width + run.columns.end;
+            (y / self.step * self.size[0] + first / self.step, pixels)
+        })
+    }
+}
+
 /// The passes of a render, and parts of them.
 #[derive(Debug, Clone)]
 pub(crate) struct Halves {
     /// All passes.
     film: Film,
+    /// The pixels of `early` and `lines`.
+    lattice: Lattice,
     /// Sums of the whole radiance over the first [`Halves::early_passes`]. Empty before there are any.
     early: Vec<[f64; BANDS]>,
     /// The last power of two before the number of passes.
@@ -62,25 +108,23 @@ struct Line {
 impl Line {
     fn add(
         &mut self,
-        film: &Film,
+        lattice: &Lattice,
         passes: u64,
         layers: &[Vec<[f32; BANDS]>; LAYERS],
         blur: f64,
         runs: &[Run],
     ) {
-        let [width, height] = film.size().map(|n| n as usize);
-        self.radiance.resize(width * height, [0.0; BANDS]);
-        self.blurred.resize(width * height, [0.0; BANDS]);
+        self.radiance.resize(lattice.len(), [0.0; BANDS]);
+        self.blurred.resize(lattice.len(), [0.0; BANDS]);
         for layer in [Layer::Caustic, Layer::Diffuse].map(|l| &layers[l as usize]) {
             if layer.is_empty() {
                 continue;
             }
             for run in runs {
                 let weight = run.weight as f64;
-                for pixels in run.pixels(width) {
-                    let sums =
-                        self.radiance[pixels.clone()].iter_mut().zip(&mut self.blurred[pixels.clone()]);
-                    for ((sum, blurred), l) in sums.zip(&layer[pixels]) {
+                for (first, pixels) in lattice.rows(run) {
+                    let sums = self.radiance[first..].iter_mut().zip(&mut self.blurred[first..]);
+                    for ((sum, blurred), l) in sums.zip(layer[pixels].iter().step_by(lattice.step)) {
                         for b in 0..BANDS {
                             let radiance = weight * f64::from(l[b]);
                             sum[b] += radiance;
@@ -108,8 +152,14 @@ impl Line {
 impl Halves {
     /// Nothing rendered yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
+        Self::with_samples(size, SAMPLES_MAX)
+    }
+
+    /// With at most so many pixels that tell the error.
+    fn with_samples(size: [u32; 2], most: u64) -> Self {
         Self {
             film: Film::new(size[0], size[1]),
+            lattice: Lattice::new(size, most),
             early: Vec::new(),
             early_passes: 0,
             before: None,
@@ -122,13 +172,13 @@ impl Halves {
     pub(crate) fn add(&mut self, first: u64, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
         if first.is_power_of_two() {
             self.before = self.error().map(|e| (first, e));
-            let [width, height] = self.film.size().map(|n| n as usize);
-            self.early = (0..width * height).map(|p| self.film.sum_of_layers(p)).collect();
+            let samples = 0..self.lattice.len();
+            self.early = samples.map(|s| self.film.sum_of_layers(self.lattice.pixel(s))).collect();
             self.early_passes = first;
         }
         if blur > 0.0 {
             let runs = self.film.rest().runs(first, passes);
-            self.lines[half(first)].add(&self.film, passes, layers, blur, &runs);
+            self.lines[half(first)].add(&self.lattice, passes, layers, blur, &runs);
         }
         self.film.add(passes, layers);
     }
@@ -174,7 +224,7 @@ impl Halves {
         let slopes = self.lines.each_ref().map(Line::slope);
         let mean_blur = self.lines.iter().map(|l| l.moments[0]).sum::<f64>() / all;
         let trust = (TRUSTING_PASSES / all).min(1.0);
-        let [width, height] = self.film.size().map(|n| n as usize);
+        let [width, height] = self.lattice.size;
         // noise and squared bias of each row, the latter by blocks across
         let rows: Vec<(f64, [f64; BLOCKS])> = (0..height)
             .into_par_iter()
@@ -182,7 +232,7 @@ impl Halves {
                 let (mut noise, mut bias) = (0.0, [0.0; BLOCKS]);
                 for x in 0..width {
                     let p = y * width + x;
-                    let (early, sum) = (self.early[p], self.film.sum_of_layers(p));
+                    let (early, sum) = (self.early[p], self.film.sum_of_layers(self.lattice.pixel(p)));
                     for i in 0..BANDS {
                         let means = [early[i] / a, (sum[i] - early[i]) / b];
                         let mean = sum[i] / all;
@@ -263,7 +313,16 @@ mod tests {
 
     /// The halves after `passes` passes in which each pixel of the diffuse layer has the radiance `at(pass, pixel)`.
     fn after(passes: u64, blur: impl Fn(u64) -> f64, at: impl Fn(u64, usize) -> f64) -> Halves {
-        let mut halves = Halves::new(SIZE);
+        sampled(Halves::new(SIZE), passes, blur, at)
+    }
+
+    /// The same of halves that are given.
+    fn sampled(
+        mut halves: Halves,
+        passes: u64,
+        blur: impl Fn(u64) -> f64,
+        at: impl Fn(u64, usize) -> f64,
+    ) -> Halves {
         for pass in 0..passes {
             let mut layers: [Vec<[f32; BANDS]>; LAYERS] = std::array::from_fn(|_| vec![[0.0; BANDS]; PIXELS]);
             for (p, value) in layers[Layer::Diffuse as usize].iter_mut().enumerate() {
@@ -287,6 +346,31 @@ mod tests {
             let truth = 0.1 / (3.0 * passes as f64 * (4.0 + RELATIVE_OFFSET)).sqrt();
             assert!((e.noise / truth - 1.0).abs() < 0.05, "{passes} passes: {e:?}, truth {truth}");
             assert!((e.total / e.noise - NOISE_SAFETY.sqrt()).abs() < 1e-9, "{e:?}");
+        }
+    }
+
+    /// Large images tell their error by a lattice of pixels, each of which is at its place: a gradient across and down is seen as it
+    /// is, noise to 15 % of a ninth of the pixels, and the picture is whole.
+    #[test]
+    fn some_pixels_tell_the_error_of_all() {
+        let at = |n: u64, p: usize| 1.0 + p as f64 / 200.0 + 0.1 * uniform(n, p);
+        for (most, step) in [(1600, 1), (1599, 2), (400, 2), (399, 3), (196, 3)] {
+            let halves = sampled(Halves::with_samples(SIZE, most), 16, |_| 1.0, at);
+            let lattice = halves.lattice;
+            assert_eq!((lattice.step, halves.early.len()), (step, 40usize.div_ceil(step).pow(2)));
+            for (sample, early) in halves.early.iter().enumerate() {
+                let mean = early[0] / halves.early_passes as f64;
+                let wanted = 1.0 + lattice.pixel(sample) as f64 / 200.0;
+                assert!((mean - wanted).abs() < 0.11, "sample {sample}, step {step}: {mean}, {wanted}");
+                let line = halves.lines.iter().map(|l| l.radiance[sample][0]).sum::<f64>() / 16.0;
+                assert!((line - wanted).abs() < 0.11, "sample {sample}, step {step}: {line}, {wanted}");
+            }
+            assert_eq!(halves.picture().whole, sampled(Halves::new(SIZE), 16, |_| 1.0, at).picture().whole);
+            let even = |n: u64, p: usize| 2.0 + 0.1 * uniform(n, p);
+            let halves = sampled(Halves::with_samples(SIZE, most), 16, |_| 1.0, even);
+            let noise = halves.error().expect("two halves").noise;
+            let truth = 0.1 / (3.0 * 16.0 * (4.0 + RELATIVE_OFFSET)).sqrt();
+            assert!((noise / truth - 1.0).abs() < 0.15, "{noise} {truth}");
         }
     }
 

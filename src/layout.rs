@@ -49,7 +49,7 @@ pub type Table = [[u32; 4]; 16];
 gpu_struct! {
     /// What is the same for all kernels of a pass; a uniform, one slot for each pass of a submission.
     pub struct PassInfo {
-        /// Eye point.
+        /// Where the camera's middle ray starts: the eye, or a place before the scene where that is far away.
         pub eye: Vec3,
         /// Image width, pixels.
         pub width: u32,
@@ -89,6 +89,14 @@ gpu_struct! {
         pub glint_count: u32,
         /// Passes of which one has a tree, in pixels of level [`GLINT_TURNS`].
         pub glint_turns: u32,
+        /// Distance from the eye to `eye`, in units of a ray's `forward`, `right` and `up`.
+        pub eye_ahead: f32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+        /// Padding.
+        pub pad2: u32,
     }
 }
 
@@ -122,12 +130,12 @@ gpu_struct! {
         pub lanes: u32,
         /// Jotons that a lane can store.
         pub lane_capacity: u32,
-        /// First index of this pass in the low-discrepancy sequence.
+        /// First index of this pass in the low-discrepancy sequence, the low word.
         pub first_joton: u32,
         /// The pass whose random numbers are used.
         pub pass_index: u32,
-        /// Chunks that the sort works in.
-        pub chunks: u32,
+        /// … and the high word.
+        pub first_joton_high: u32,
         /// Area that each area point stands for; 0 where there are none.
         pub area_each: f32,
         /// One over the width of a cell of the area points' grid.
@@ -146,7 +154,7 @@ gpu_struct! {
 gpu_struct! {
     /// Where a camera path met its first diffuse surface; 48 bytes, one for each pixel.
     pub struct GatherPoint {
-        /// Position.
+        /// Position, lifted off the surface toward the eye [E27]: where rays from it start.
         pub position: Vec3,
         /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, and
         /// [`BACK_SIDE`] where the back of the triangle is seen.
@@ -215,6 +223,14 @@ gpu_struct! {
         pub flux: Bands,
         /// Low 5 bits: state of the path automaton; then LANE_ bits; above bit 16 the number of events.
         pub status: u32,
+        /// Back faces nearer than this are not met by the next ray [E27].
+        pub t_back: f32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+        /// Padding.
+        pub pad2: u32,
     }
 }
 
@@ -330,6 +346,14 @@ pub const GATHER_PLANE_SHARE: f32 = 0.2;
 /// Area points of the opposite orientation count only this near the plane: two sheets of a thin board are not one.
 pub const GATHER_SHEET_SHARE: f32 = 0.01;
 
+/// A fit of a disc is solved where the determinant of its second moments is at least this part of a whole disc's …
+pub const FIT_DETERMINANT_MIN: f32 = 0.05;
+/// … which a quarter has .07 of, the corner of a plate; and raises the variance of a joton's weight by less than this factor.
+/// Elsewhere the area alone is corrected: a sliver has no slope.
+pub const FIT_AMPLIFICATION_MAX: f32 = 20.0;
+/// Determinant of the second moments of a whole disc of radius 1 over its area.
+pub const DISC_DETERMINANT: f32 = 1.0 / 16.0;
+
 /// Rays along the surface that look for walls about a gather point …
 pub const CLIP_RAYS: u32 = 8;
 /// … this part of the radius above it. What is lower than that is no wall.
@@ -352,6 +376,18 @@ pub const EDGE_CUT: u32 = 1;
 /// See [`EDGE_CUT`].
 pub const EDGE_OTHERS: u32 = 2;
 
+/// Rays leave a plane by this part of the coordinates that say how far off the origin it is: eight half units in the last
+/// place. Points of the plane are rounded so, and so is where another ray meets it [E27].
+pub const LIFT: f32 = 8.0 / (1 << 24) as f32;
+/// … and by no less than this, internal units: a plane through the origin of the scene is exact.
+pub const LIFT_LEAST: f32 = 1.0 / (1 << 20) as f32;
+/// Where there are lights without area, eye paths stop at a narrow lobe to look for them this many times as often as they
+/// follow it, at least.
+pub const NARROW_STOPS: f32 = 1.0;
+
+/// All surfaces lie nearer than this to the internal origin, internal units.
+pub const SCENE_RADIUS: f32 = 1024.0;
+
 /// Events after which no path goes on for sure …
 pub const SURE_EVENTS: u32 = 64;
 /// … but with this probability at most, at each event [E3]: so paths end between perfect mirrors and inside bodies that
@@ -370,8 +406,8 @@ pub const UNSEEN_STORED: u32 = 8;
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
     use crate::pack::{
-        EmitterKind, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, WARP_BINS,
-        WARP_WORDS,
+        CLEAR, EmitterKind, FAR, LAMP, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER,
+        SMOOTH, WARP_BINS, WARP_WORDS, rank,
     };
     use std::fmt::Write;
     let mut s = String::new();
@@ -381,6 +417,7 @@ pub fn constants() -> String {
     u("GLOSSY", MaterialFlags::GLOSSY);
     u("SPECULAR", MaterialFlags::SPECULAR);
     u("DIELECTRIC", MaterialFlags::DIELECTRIC);
+    u("THIN", MaterialFlags::THIN);
     u("EMISSIVE", MaterialFlags::EMISSIVE);
     u("EMITTER_TRIANGLE", EmitterKind::Triangle as u32);
     u("EMITTER_POINT", EmitterKind::Point as u32);
@@ -388,6 +425,13 @@ pub fn constants() -> String {
     u("EMITTER_SUN", EmitterKind::Sun as u32);
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
+    u("CLEAR", CLEAR);
+    u("LAMP", LAMP);
+    u("RANK_CLEAR_FRONT", rank::CLEAR_FRONT);
+    u("RANK_CLEAR_BACK", rank::CLEAR_BACK);
+    u("RANK_BACK", rank::BACK);
+    u("RANK_FRONT", rank::FRONT);
+    u("RANK_LAMP", rank::LAMP);
     u("WARP_BINS", WARP_BINS as u32);
     u("WARP_VECTORS", (WARP_WORDS / 4) as u32);
     u("WARPS_VECTORS", (MAX_WARPS * WARP_WORDS / 4) as u32);
@@ -434,9 +478,18 @@ pub fn constants() -> String {
         writeln!(s, "const {name}: f32 = {value:?};").expect("writing to a string");
     };
     f("SURVIVAL_MAX", SURVIVAL_MAX);
+    f("LIFT", LIFT);
+    f("LIFT_LEAST", LIFT_LEAST);
+    f("ONE_PLACE", crate::bvh::ONE_PLACE);
+    f("SCENE_RADIUS", SCENE_RADIUS);
+    f("NARROW_STOPS", NARROW_STOPS);
+    f("FAR", FAR);
     f("GATHER_NORMAL_COS", GATHER_NORMAL_COS);
     f("GATHER_PLANE_SHARE", GATHER_PLANE_SHARE);
     f("GATHER_SHEET_SHARE", GATHER_SHEET_SHARE);
+    f("FIT_DETERMINANT_MIN", FIT_DETERMINANT_MIN);
+    f("DISC_DETERMINANT", DISC_DETERMINANT);
+    f("FIT_AMPLIFICATION_MAX", FIT_AMPLIFICATION_MAX);
     f("CLIP_LIFT", CLIP_LIFT);
     f("CLIP_STEEP", CLIP_STEEP);
     f("CLIP_REACH", CLIP_REACH);

@@ -15,7 +15,7 @@ pub use state::RenderState;
 /// [`DEFAULT_SECONDS`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Stop {
-    /// After this many passes.
+    /// After this many passes; after [`PASSES_MAX`] in any case.
     pub passes: Option<u64>,
     /// After this many seconds of rendering.
     pub seconds: Option<f64>,
@@ -120,8 +120,9 @@ pub fn render(
 
 #[cfg(test)]
 mod tests {
+    use super::state::batch;
     use super::*;
-    use crate::backend::Batch;
+    use crate::backend::{Batch, PASSES_MAX};
     use crate::bands::BANDS;
     use crate::error::Error;
     use crate::rest::Rest;
@@ -256,6 +257,18 @@ mod tests {
                 assert_eq!(state.passes(), 130);
             }
         }
+    }
+
+    /// A render ends before its passes have numbers of more than 32 bits, or the pilot's.
+    #[test]
+    fn passes_end_before_their_numbers_do() {
+        let mut passes = 0;
+        while passes < PASSES_MAX {
+            passes += batch(passes, u32::MAX, PASSES_MAX);
+        }
+        assert_eq!(passes - 1, u64::from(u32::MAX) - 1);
+        let last = u64::from(crate::layout::PILOT_PASS);
+        assert_eq!(PASSES_MAX, last, "the pilot's pass comes after all others");
     }
 
     /// A watcher sees the picture so far, layers summed, and its own time is not counted as rendering.

@@ -38,6 +38,21 @@ pub fn sequence_seed(seed: u32, path: u32, stream: u32) -> u32 {
     pcg4d([path, stream, 0x9e37_79b9, seed])[3]
 }
 
+/// The seed of indices with this high word, one to one (Murmur3's finalizer, Appleby 2011); its own for 0. A sequence has
+/// 2^32 points: another one goes on behind them.
+pub fn seed_at(seed: u32, high: u32) -> u32 {
+    let mut x = high;
+    x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);
+    x = (x ^ x >> 13).wrapping_mul(0xc2b2_ae35);
+    seed ^ x ^ x >> 16
+}
+
+/// Point `index` of a path's sequence for a purpose: none comes again before 2^64.
+pub fn sequence2(index: u64, seed: u32, path: u32, stream: u32) -> [f32; 2] {
+    let seed = seed_at(seed, (index >> 32) as u32);
+    sobol2(index as u32, sequence_seed(seed, path, stream))
+}
+
 /// Owen's nested uniform scrambling of the bits of x, by hash.
 pub fn owen(x: u32, seed: u32) -> u32 {
     let mut x = x.reverse_bits();
@@ -66,6 +81,63 @@ pub fn sobol2(index: u32, seed: u32) -> [f32; 2] {
     let shuffled = owen(index, seed);
     let seeds = pcg4d([seed, 1, 2, 3]);
     [unit(owen(shuffled.reverse_bits(), seeds[0])), unit(owen(sobol_second(shuffled), seeds[1]))]
+}
+
+/// Purposes of what is found out before the first pass, and of what both backends have on the host. The kernels' are in
+/// shaders/shared/rng.wgsl, the CPU backend's in cpu/streams.rs: no two that meet in one render are alike.
+pub mod purpose {
+    /// Place in the image of a path that looks where the camera looks.
+    pub const STREAM_SEEN: u32 = 0x200;
+    /// Where paths that are counted start: from the camera, caustic, diffuse jotons.
+    pub const STREAM_TRAFFIC: [u32; 3] = [0x203, 0x205, 0x207];
+    /// Emitter and start place of a joton that is learned from, caustic and diffuse; one sequence a lamp.
+    pub const STREAM_LEARN_PLACE: [u32; 2] = [0x210, 0x211];
+    /// Its direction.
+    pub const STREAM_LEARN_DIRECTION: [u32; 2] = [0x220, 0x221];
+    /// The device's area points, one scatter a group of passes.
+    pub const STREAM_AREA: u32 = 0x100;
+    /// The pass in which a pixel has its tree.
+    pub const STREAM_TURN: u32 = 0x7475_726e;
+
+    /// Events of a path that looks where the camera looks.
+    pub const DIMENSION_SEEN: u32 = 0x10_0000;
+    /// Events of a joton that is learned from, caustic and diffuse; by lamp.
+    pub const DIMENSION_LEARN: [u32; 2] = [0x11_0000, 0x12_0000];
+    /// Lamps that are tried at a place.
+    pub const DIMENSION_PICKS: u32 = 0x13_0000;
+    /// Events of a path that is counted, by its kind.
+    pub const DIMENSION_TRAFFIC: u32 = 0x14_0000;
+    /// Places of area points.
+    pub const DIMENSION_AREA: u32 = 0x15_0000;
+    /// Whether backs are the insides of bodies.
+    pub const DIMENSION_TRUST: u32 = 0x16_0000;
+    /// Whether an area point is inside of a body.
+    pub const DIMENSION_BURIED: u32 = 0x17_0000;
+
+    /// All streams.
+    pub const STREAMS: [u32; 10] = [
+        STREAM_SEEN,
+        STREAM_TRAFFIC[0],
+        STREAM_TRAFFIC[1],
+        STREAM_TRAFFIC[2],
+        STREAM_LEARN_PLACE[0],
+        STREAM_LEARN_PLACE[1],
+        STREAM_LEARN_DIRECTION[0],
+        STREAM_LEARN_DIRECTION[1],
+        STREAM_AREA,
+        STREAM_TURN,
+    ];
+    /// All first dimensions.
+    pub const DIMENSIONS: [u32; 8] = [
+        DIMENSION_SEEN,
+        DIMENSION_LEARN[0],
+        DIMENSION_LEARN[1],
+        DIMENSION_PICKS,
+        DIMENSION_TRAFFIC,
+        DIMENSION_AREA,
+        DIMENSION_TRUST,
+        DIMENSION_BURIED,
+    ];
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ const ARROWS: [(&str, &[&str]); 30] = [
     ("glints", &["layout", "film", "rng", "neighbours"]),
     // up: structs are declared by layout's macro
     ("pack", &["scene", "bvh", "rng", "layout", "memory"]),
-    ("layout", &["pack", "paths", "rest"]),
+    ("layout", &["pack", "paths", "rest", "bvh"]),
     ("stats", &["film"]),
     ("output", &["film", "input", "memory"]),
     ("paths", &["film"]),
@@ -283,6 +283,30 @@ fn kernels_tell_what_they_read_and_write() {
     assert!(kernels > 10);
 }
 
+/// Files under src and shaders that comments name with their folder, and that are not there. `x` stands for any.
+fn gone(text: &str) -> Vec<String> {
+    let comments = text.lines().filter_map(|l| l.split_once("//")).map(|(_, comment)| comment);
+    let words = comments.flat_map(|c| c.split(|c: char| !c.is_alphanumeric() && !"_/.".contains(c)));
+    let names = words.map(|w| w.trim_end_matches('.')).filter(|w| {
+        (w.starts_with("src/")
+            || w.starts_with("shaders/")
+            || w.starts_with("docs/")
+            || w.starts_with("tests/"))
+            && w.rsplit('/').next().is_some_and(|name| name.contains('.'))
+    });
+    names.filter(|w| !root().join(w).exists()).map(String::from).collect()
+}
+
+#[test]
+fn comments_name_files_that_exist() {
+    for (folder, extension) in [("src", "rs"), ("shaders", "wgsl"), ("tests", "rs")] {
+        for file in files(&root().join(folder), extension) {
+            let gone = gone(&read(&file));
+            assert!(gone.is_empty(), "{}: {}", file.display(), gone.join(", "));
+        }
+    }
+}
+
 /// The checks see what they are for.
 #[test]
 fn a_wrong_import_is_found() {
@@ -300,4 +324,6 @@ fn a_wrong_import_is_found() {
         @group(0) @binding(1) var<storage, read_write> c: array<u32>;";
     assert_eq!(bindings(kernel), ["a", "c"]);
     assert_eq!(untold(kernel), ["c"]);
+    let twin = concat!("/", "/ Twin: src/cpu/no_such.rs, src/cpu/eye.rs.");
+    assert_eq!(gone(twin), ["src/cpu/no_such.rs"]);
 }

@@ -175,8 +175,8 @@ fn lights_without_surface_agree_with_the_path_tracer() {
             position: glam::DVec3::new(0.3, 0.5, 0.2),
             direction: glam::DVec3::new(0.1, -1.0, 0.2).normalize(),
             intensity: [1.0; 3],
-            cos_inner: 0.9,
-            cos_outer: 0.6,
+            angle_inner: f64::acos(0.9),
+            angle_outer: f64::acos(0.6),
         },
         Light::Sun { direction: glam::DVec3::new(0.2, -0.3, 1.0).normalize(), irradiance: [2.0; 3] },
     ];

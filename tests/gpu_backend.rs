@@ -84,8 +84,8 @@ fn everything(size: u32) -> Arc<PackedScene> {
         position: DVec3::new(0.8, 0.8, 0.5),
         direction: DVec3::new(-1.0, -1.2, -0.6).normalize(),
         intensity: [1.5, 1.0, 0.5],
-        cos_inner: 0.95,
-        cos_outer: 0.85,
+        angle_inner: f64::acos(0.95),
+        angle_outer: f64::acos(0.85),
     });
     b.point_light([-0.7, 0.6, 0.4], 0.3);
     pack(&b.scene)
@@ -332,8 +332,8 @@ fn scenes_that_lack_something_render() {
         position: DVec3::new(0., 0., 1.),
         direction: DVec3::Z,
         intensity: [1.0; 3],
-        cos_inner: 0.99,
-        cos_outer: 0.9,
+        angle_inner: f64::acos(0.99),
+        angle_outer: f64::acos(0.9),
     });
     let r = go(&b.scene);
     assert_eq!(sum(&r), 0.0, "a light that looks away");

@@ -7,11 +7,12 @@ use joton::Error;
 use joton::backend::{Backend, Batch};
 use joton::film::{Image, Layer};
 use joton::gpu::{Context, GpuBackend};
+use joton::layout::TILE;
 use joton::pack::PackedScene;
-use joton::plan::buffers::{Buffer, Needs, expected_shapes};
+use joton::plan::buffers::{Buffer, Needs, expected_shapes, fit};
 use joton::plan::shape::{Kind, Machine, Strips};
 use joton::plan::traffic::Traffic;
-use joton::plan::{Plan, Settings};
+use joton::plan::{Part, Plan, Settings};
 use joton::render::{Stop, render};
 use joton::stats::{Estimate, test_equal};
 use std::collections::BTreeMap;
@@ -142,6 +143,78 @@ fn strips_leave_no_trace() {
         }
         let total = |b: &GpuBackend| b.memory().iter().map(|(_, bytes)| bytes).sum::<u64>();
         assert!(total(&cut) <= allowed && total(&cut) < total(&whole), "{name}: {}", total(&cut));
+    }
+}
+
+/// Trees that crowd into a strip, more than its buffer holds, take turns: thin strips, after passes that made trees many in the
+/// water of some of them, show the bits of one strip.
+#[test]
+fn crowded_trees_take_turns() {
+    device_or_return!();
+    const SIZE: [u32; 2] = [160, 120];
+    const STRIPS: u32 = SIZE[1] / TILE;
+    let scene = file("pool.toml", SIZE);
+    // tiles that rest are one strip's only
+    let settings = |memory| Settings { memory, keep: vec![Part::Rest], ..Settings::default() };
+    let mut whole = open(&scene, settings(None));
+    let mut cut = open(&scene, settings(Some(memory_for(&whole, STRIPS))));
+    assert_eq!(cut.needs().strips.count(), STRIPS);
+    let stop = Stop { passes: Some(5), ..Stop::default() };
+    let pictures = [&mut whole, &mut cut]
+        .map(|b| render(b, scene.size, stop, |_| true).unwrap_or_else(|e| panic!("{e}")).picture.whole);
+    let levels = cut.glints().expect("a lamp is in view");
+    let trees = |pixels: std::ops::Range<u32>| -> f32 {
+        pixels.map(|pixel| levels.trees_a_pass(pixel as usize)).sum()
+    };
+    let room = cut.memory().iter().find(|(name, _)| *name == "glints").expect("a buffer").1 / 4;
+    let strips = cut.needs().strips.each();
+    let most = strips.map(|s| trees(s.first * SIZE[0]..(s.first + s.rows) * SIZE[0])).fold(0.0, f32::max);
+    assert!(most > room as f32, "{most} trees, room for {room}: nothing takes turns");
+    assert!(pictures[0] == pictures[1], "strips are seen");
+}
+
+/// How a picture is made follows from the scene, its size, `--memory` and the limits of the device. What the machine has free
+/// decides about nothing: a device is set up as it was planned, and too little is an error that says what to do.
+#[test]
+fn free_memory_decides_about_no_picture() {
+    device_or_return!();
+    let scene = file("cornell.toml", [40, 24]);
+    let backend = open(&scene, Settings::default());
+    let needs = backend.needs();
+    assert_eq!(needs.plan.settings.memory, None, "the device may take what it wants");
+    let planned = Plan::new(&scene, Settings::default());
+    assert_eq!((needs.plan.diffuse_jotons, needs.strips.count()), (planned.diffuse_jotons, 1));
+
+    let told = needs.buffers().iter().map(|b| b.bytes).sum::<u64>() + needs.host_bytes();
+    let error = needs.check_free(Some(told / 2)).expect_err("half is too little");
+    let Error::Memory { need, free } = error else { panic!("{error}") };
+    assert!(need >= told && free == told / 2, "{error}");
+    for word in ["--memory", "--size", &need.to_string(), &free.to_string()] {
+        assert!(error.to_string().contains(word), "{error}");
+    }
+    assert!(needs.check_free(Some(need)).is_ok() && needs.check_free(None).is_ok());
+}
+
+/// Large images fit in strips: every buffer into the least binding that devices have, all together into what is allowed. Plans
+/// of 48 megapixels, whose trees alone are more than a binding.
+#[test]
+fn large_images_fit() {
+    for (name, size, memory) in
+        [("furnace.toml", [8000, 6000], None), ("spheres.toml", [8000, 6000], Some(512 << 20))]
+    {
+        let scene = file(name, size);
+        let mut plan = Plan::new(&scene, Settings { memory, ..Settings::default() });
+        let machine = Machine::REFERENCE;
+        let traffic = Traffic::look(&scene, &plan);
+        let mut shapes = expected_shapes(&scene, &plan, machine, &traffic);
+        let strips = fit(&scene, &mut plan, &mut shapes, machine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let needs = Needs { scene: &scene, plan: &plan, machine, shapes, strips };
+        assert!(strips.count() > 1);
+        let bound = needs.buffers().into_iter().filter(|b| b.name != "staging");
+        let largest = bound.max_by_key(|b| b.bytes).expect("a buffer");
+        assert!(largest.bytes <= machine.storage_binding, "{name}: {largest:?}");
+        let all: u64 = needs.buffers().iter().map(|b| b.bytes).sum();
+        assert!(memory.is_none_or(|most| all <= most), "{name}: {all} bytes");
     }
 }
 

@@ -1,4 +1,4 @@
-// What happens at a surface. Twin: src/cpu/bsdf.rs.
+// What happens at a surface. Twin: src/optics/bsdf.rs.
 // import: shared/sampling.wgsl
 
 // Reflectance of a smooth dielectric for unpolarised light [E8]; eta = n_transmitted / n_incident; 1 at total reflection.
@@ -32,10 +32,29 @@ fn max_band(b: Bands) -> f32 {
 fn eval_brdf(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
     var f = m.diffuse / PI;
     if HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u {
-        let c = max(0.0, dot(reflect(-wi, n), wo));
-        f += m.glossy * ((m.glossy_exponent + 2.0) / TAU * pow(c, m.glossy_exponent));
+        f += m.glossy * ((m.glossy_exponent + 2.0) / TAU * phong(m.glossy_exponent, n, wi, wo));
     }
     return f;
+}
+
+// BRDF of a lobe that is followed, 1/sr, for lights without area: following it never meets them [E6].
+fn eval_narrow(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
+    if !is_narrow(m) {
+        return Bands(0.0);
+    }
+    return m.specular * ((m.specular_exponent + 2.0) / TAU * phong(m.specular_exponent, n, wi, wo));
+}
+
+// A lobe of finite width that is followed as a mirror is, where there are lights that are not met so.
+fn is_narrow(m: PackedMaterial) -> bool {
+    return HAS_SPECULAR && HAS_DELTA_LIGHTS && m.specular_exponent > 0.0;
+}
+
+// cosᵉα of a Phong lobe, from 1 − cosα: near one a cosine has no digits for a large exponent.
+fn phong(exponent: f32, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    let off = reflect(-wi, n) - wo;
+    let below = 0.5 * dot(off, off);
+    return select(0.0, exp(exponent * log_one_minus(min(below, 1.0))), below < 1.0);
 }
 
 const EVENT_ABSORB: u32 = 0u;
@@ -96,8 +115,7 @@ fn pdf_brdf(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f3
     let matte = matte_share(m);
     var pdf = matte * max(0.0, dot(wi, n)) / PI;
     if matte < 1.0 {
-        let c = max(0.0, dot(reflect(-wi, n), wo));
-        pdf += (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * pow(c, m.glossy_exponent);
+        pdf += (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * phong(m.glossy_exponent, n, wi, wo);
     }
     return pdf;
 }

@@ -30,8 +30,23 @@ fn is_triangle(kind: u32) -> bool {
     return !HAS_DELTA_LIGHTS || kind == EMITTER_TRIANGLE;
 }
 
-// Part of the axial intensity that a spot sends at this cosine from its axis: a cubic smoothstep in the cosine.
-fn spot_falloff(cosine: f32, cos_inner: f32, cos_outer: f32) -> f32 {
-    let x = clamp((cosine - cos_outer) / max(cos_inner - cos_outer, 1e-7), 0.0, 1.0);
-    return x * x * (3.0 - 2.0 * x);
+// The way from a point or a spot to p.
+fn from_light(e: PackedEmitter, p: vec3<f32>) -> vec3<f32> {
+    return p - e.origin + e.e1 * e.e2.z;
+}
+
+// 1 − cos of the angle between v and a unit axis: by its sine where it is small, since a cosine has no digits there.
+fn one_minus_cos(v: vec3<f32>, axis: vec3<f32>) -> f32 {
+    let along = dot(v, axis);
+    let across = v - along * axis;
+    let length2 = max(dot(v, v), 1e-30);
+    let cosine = along * inverseSqrt(length2);
+    return select(1.0 - cosine, dot(across, across) / (length2 * (1.0 + cosine)), cosine > 0.0);
+}
+
+// Part of the axial intensity that a spot sends, from 1 − cos of the angle to its axis, and of its angles: a cubic
+// smoothstep in the cosine.
+fn spot_falloff(at: f32, inner: f32, outer: f32) -> f32 {
+    let x = clamp((outer - at) / max(outer - inner, 1e-30), 0.0, 1.0);
+    return select(x * x * (3.0 - 2.0 * x), 1.0, at <= inner);
 }

@@ -11,3 +11,5 @@ override HAS_WARPS: bool = true;
 override HAS_MARKS: bool = true;
 // Some light is a point, a spot or a sun.
 override HAS_DELTA_LIGHTS: bool = true;
+// Some faces lie in one place, or so near each other that rounded distances do not tell which a ray meets first.
+override HAS_CONTACTS: bool = true;

@@ -2,8 +2,18 @@
 
 const WORKGROUP: u32 = 64u;
 
+// The layer of this invocation: 0, since dispatches have one layer, but no compiler knows that.
+var<private> layer: u32;
+
 fn linear_index(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    layer = id.z;
     return id.y * groups.x * WORKGROUP + id.x;
+}
+
+// A number of a uniform as each invocation's own; call linear_index first. Mesa's software device clones and compiles a
+// kernel that branches on uniforms alone at every dispatch, and keeps the clones: no branch and no loop does. A test looks.
+fn own(x: u32) -> u32 {
+    return x | layer;
 }
 
 const NO_PIXEL: u32 = 0xffffffffu;

@@ -1,5 +1,7 @@
 // Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
 // import: shared/triangles.wgsl
+// import: shared/crossing.wgsl
+// import: shared/features.wgsl
 // reads  nodes, triangles        counts  steps: loop iterations of this invocation        tells  traversal_cut
 
 struct Hit {
@@ -17,6 +19,8 @@ const EDGE_SLACK: f32 = 1e-6;
 const EDGE_ROUNDING: f32 = 4.76837158203125e-7;
 // A ray that lies in the triangle's plane, but for rounding, has no weights: the slack ends here.
 const EDGE_SLACK_MAX: f32 = 1.0;
+// Part of the distance between two points by which its rounding, and that of the direction, moves the end of a ray.
+const DISTANCE_ROUNDING: f32 = 4.76837158203125e-7;
 // Smallest divisor of a ray's direction.
 const TINY: f32 = 1e-20;
 
@@ -56,8 +60,26 @@ fn largest(v: vec3<f32>) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
+// The nearest hit before t_limit, or any.
 fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool) -> Hit {
+    return trace_ray(origin, direction, t_limit, 0.0, any_hit, origin + direction * t_limit);
+}
+
+// True where something lies between two points that are lifted off their surfaces; direction and distance from one to the
+// other.
+fn is_occluded(origin: vec3<f32>, direction: vec3<f32>, distance: f32, end: vec3<f32>) -> bool {
+    return trace_ray(origin, direction, distance, 0.0, true, end).triangle != MISS;
+}
+
+// Back faces nearer than t_back are not met: a ray that leaves a body starts a little inside of it. A ray for any hit ends at
+// the point `end`, t_limit away but for rounding.
+fn trace_ray(
+    origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, t_back: f32, any_hit: bool, end: vec3<f32>,
+) -> Hit {
     var hit = Hit(MISS, t_limit, 0.0, 0.0);
+    // how far rounding may move hit.t, and what was hit
+    var hit_error = 0.0;
+    var face = Face(vec3(0.0), 0.0, vec3(0.0), 0u);
     var stack: array<vec2<u32>, TRAVERSAL_STACK>;
     var depth = 0u;
     let safe = select(direction, select(vec3(-TINY), vec3(TINY), direction >= vec3(0.0)), abs(direction) < vec3(TINY));
@@ -93,8 +115,8 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             let y_far = select(n3.zw, n3.xy, negative.y);
             let z_near = select(n4.xy, n4.zw, negative.z);
             let z_far = select(n4.zw, n4.xy, negative.z);
-            let met = four_children(n1.z, octant, x_near.x, x_far.x, y_near.x, y_far.x, z_near.x, z_far.x, scale, start, hit.t)
-                | four_children(n1.w, octant, x_near.y, x_far.y, y_near.y, y_far.y, z_near.y, z_far.y, scale, start, hit.t);
+            let met = four_children(n1.z, octant, x_near.x, x_far.x, y_near.x, y_far.x, z_near.x, z_far.x, scale, start, hit.t + hit_error)
+                | four_children(n1.w, octant, x_near.y, x_far.y, y_near.y, y_far.y, z_near.y, z_far.y, scale, start, hit.t + hit_error);
             group = vec2(n1.x, (met & 0xff000000u) | (n0.w >> 24u));
             leaf = vec2(n1.y, met & 0x00ffffffu);
             steps += 1u;
@@ -110,16 +132,40 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
             let e1 = corners.e1;
             let e2 = corners.e2;
             let p = cross(direction, e2);
-            let inv_det = 1.0 / dot(e1, p);
+            let det = dot(e1, p);
+            let inv_det = 1.0 / det;
             let s = origin - v0;
             let u = dot(s, p) * inv_det;
             let q = cross(s, e1);
             let v = dot(direction, q) * inv_det;
             let t = dot(e2, q) * inv_det;
             let rounding = EDGE_ROUNDING * largest(s) * abs(inv_det);
-            let slack_u = min(EDGE_SLACK + rounding * largest(e2), EDGE_SLACK_MAX);
-            let slack_v = min(EDGE_SLACK + rounding * largest(e1), EDGE_SLACK_MAX);
-            if u >= -slack_u && v >= -slack_v && u + v <= 1.0 + max(slack_u, slack_v) && t > 0.0 && t < hit.t {
+            let long_1 = largest(e1);
+            let long_2 = largest(e2);
+            let slack_u = min(EDGE_SLACK + rounding * long_2, EDGE_SLACK_MAX);
+            let slack_v = min(EDGE_SLACK + rounding * long_1, EDGE_SLACK_MAX);
+            let is_inside = u >= -slack_u && v >= -slack_v && u + v <= 1.0 + max(slack_u, slack_v)
+                && t > select(0.0, t_back, det < 0.0);
+            if any_hit {
+                let error = rounding * long_1 * long_2 + t_limit * DISTANCE_ROUNDING;
+                // where rounded distances do not tell, the end tells on which side of the plane it is
+                let is_near_end = abs(t - t_limit) < error;
+                let is_before = select((t < t_limit), (dot(v0 - end, cross(e1, e2)) * det > 0.0), is_near_end);
+                if is_inside && is_before {
+                    hit = Hit(index, t, u, v);
+                }
+            } else if HAS_CONTACTS {
+                let error = rounding * long_1 * long_2;
+                let candidate = face_of(corners);
+                let is_near = abs(t - hit.t) <= error + hit_error;
+                let near = origin + direction * hit.t;
+                let is_lower = index < hit.triangle;
+                if is_inside && select((t < hit.t), is_met_first(candidate, face, is_lower, near, direction), is_near) {
+                    hit = Hit(index, t, u, v);
+                    hit_error = error;
+                    face = candidate;
+                }
+            } else if is_inside && t < hit.t {
                 hit = Hit(index, t, u, v);
             }
             steps += 1u;

@@ -30,6 +30,32 @@ fn sequence_seed(seed: u32, path: u32, stream: u32) -> u32 {
     return pcg4d(vec4(path, stream, 0x9e3779b9u, seed)).w;
 }
 
+// The seed of indices with this high word, one to one (Murmur3's finalizer, Appleby 2011); its own for 0. A sequence has 2^32
+// points: another one goes on behind them.
+fn seed_at(seed: u32, high: u32) -> u32 {
+    var x = high;
+    x ^= x >> 16u;
+    x *= 0x85ebca6bu;
+    x ^= x >> 13u;
+    x *= 0xc2b2ae35u;
+    x ^= x >> 16u;
+    return seed ^ x;
+}
+
+// The sum in 64 bits, the low word first.
+fn wide_sum(a: vec2<u32>, b: u32) -> vec2<u32> {
+    let low = a.x + b;
+    return vec2(low, a.y + select(0u, 1u, low < b));
+}
+
+// The product in 64 bits, the low word first.
+fn wide_product(a: u32, b: u32) -> vec2<u32> {
+    let low = (a & 0xffffu) * (b & 0xffffu);
+    let first = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
+    let second = (a & 0xffffu) * (b >> 16u) + (first & 0xffffu);
+    return vec2(a * b, (a >> 16u) * (b >> 16u) + (first >> 16u) + (second >> 16u));
+}
+
 fn owen(input: u32, seed: u32) -> u32 {
     var x = reverseBits(input);
     x ^= x * 0x3d20adeau;
@@ -67,7 +93,6 @@ const STREAM_DIFFUSE_PLACE: u32 = 4u;
 const STREAM_DIFFUSE_DIRECTION: u32 = 5u;
 const STREAM_CHOICE: u32 = 6u;
 const STREAM_GLINT_JITTER: u32 = 7u;
-const STREAM_GLINT_CHOICE: u32 = 8u;
 // Dimensions of hashed numbers: one for each event of a path, in a range for each kind of path.
 const DIMENSION_EYE: u32 = 0u;
 const DIMENSION_DIRECT: u32 = 0x10000u;

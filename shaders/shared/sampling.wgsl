@@ -53,12 +53,26 @@ fn sample_disc(u: vec2<f32>) -> vec2<f32> {
     return sqrt(u.x) * unit_circle(u.y);
 }
 
+// ln(1 − s), s in [0, 1], by 2 artanh x: Vulkan grants its own logarithm an absolute error of 2^-21 near one, which a
+// large exponent would multiply.
+fn log_one_minus(s: f32) -> f32 {
+    let x = s / (2.0 - s);
+    let x2 = x * x;
+    let series = 1.0 + x2 * (1.0 / 3.0 + x2 * (1.0 / 5.0 + x2 * (1.0 / 7.0 + x2 * (1.0 / 9.0 + x2 / 11.0))));
+    return select(log(max(1.0 - s, 1e-37)), -2.0 * x * series, s < 0.5);
+}
+
+// 1 − exp(x), x <= 0.
+fn one_minus_exp(x: f32) -> f32 {
+    let series = 1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0 * (1.0 + x / 6.0 * (1.0 + x / 7.0)))));
+    return select(1.0 - exp(x), -x * series, x > -0.5);
+}
+
 // pdf_solid_angle = (e+1)/(2π) cosθ^e.
 fn sample_phong_lobe(u: vec2<f32>, exponent: f32) -> vec3<f32> {
-    // some drivers take a power of zero by its logarithm: not zero where the exponent is small
-    let z = select(0.0, pow(u.x, 1.0 / (exponent + 1.0)), u.x > 0.0);
-    let r = sqrt(max(0.0, 1.0 - z * z));
-    return vec3(r * unit_circle(u.y), z);
+    let one_minus_z = select(1.0, one_minus_exp(log_one_minus(1.0 - u.x) / (exponent + 1.0)), u.x > 0.0);
+    let r = sqrt(max(0.0, one_minus_z * (2.0 - one_minus_z)));
+    return vec3(r * unit_circle(u.y), 1.0 - one_minus_z);
 }
 
 // Unit vectors in 32 bits (octahedral map: Meyer et al. 2010).

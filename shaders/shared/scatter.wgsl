@@ -11,16 +11,22 @@ fn facing_normal(s: Surface, direction: vec3<f32>, geometric: vec3<f32>) -> vec3
     return select(geometric, n, dot(direction, n) < 0.0);
 }
 
-// n_incident / n_transmitted.
+// A pane without thickness: both faces of a dielectric in one place [E26].
+fn is_thin(m: PackedMaterial) -> bool {
+    return (m.flag_bits & THIN) != 0u;
+}
+
+// n_incident / n_transmitted; behind a thin pane is what is before it.
 fn relative_index(m: PackedMaterial, from_front: bool) -> f32 {
-    return select(m.ior, 1.0 / m.ior, from_front);
+    return select(select(m.ior, 1.0 / m.ior, from_front), 1.0, is_thin(m));
 }
 
 fn dielectric_reflectance(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: bool) -> f32 {
     if !HAS_DIELECTRIC || (m.flag_bits & DIELECTRIC) == 0u {
         return 0.0;
     }
-    return fresnel(min(1.0, -dot(direction, n)), 1.0 / relative_index(m, from_front));
+    let face = fresnel(min(1.0, -dot(direction, n)), select(1.0 / relative_index(m, from_front), m.ior, is_thin(m)));
+    return select(face, 2.0 * face / (1.0 + face), is_thin(m));
 }
 
 struct Specular {
@@ -41,6 +47,7 @@ fn specular_scatter(
         if HAS_SMOOTH && dot(d, geometric) >= 0.0 {
             d = refract_direction(direction, geometric, eta_it);
         }
+        d = select(d, direction, is_thin(m));
         return Specular(d, eta_it, any(d != vec3(0.0)));
     }
     var d = normalize(reflect(direction, n));

@@ -11,12 +11,15 @@ struct Surface {
     // Unit shading normal of the front.
     shading: vec3<f32>,
     emitter: u32,
+    // How far off its plane f32 may put the position.
+    lift: f32,
 }
 
 fn surface_at(hit: Hit) -> Surface {
     let t = triangle_at(hit.triangle);
     let front = normalize(cross(t.e1, t.e2));
-    var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter);
+    let lift = lift_of(front, abs(t.v0) + abs(t.e1) + abs(t.e2));
+    var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift);
     if HAS_SMOOTH && (t.flags & SMOOTH) != 0u {
         let packed = shading_normals[hit.triangle];
         let n = (1.0 - hit.u - hit.v) * decode_direction(packed.x) + hit.u * decode_direction(packed.y)
@@ -28,13 +31,23 @@ fn surface_at(hit: Hit) -> Surface {
     return s;
 }
 
-// Lengths below this share of the coordinates are lost in their rounding: origins are moved off the surface by it.
-const OFFSET_SHARE: f32 = 7.62939453125e-6; // 2^-17
-// Rounding follows the vertices' coordinates, which may be large where the position's are not.
-const OFFSET_SCALE: f32 = 256.0;
+// How far off a plane f32 may put a point that lies in it, by the extent along each axis of what spans the plane.
+fn lift_of(normal: vec3<f32>, extent: vec3<f32>) -> f32 {
+    return max(LIFT * dot(abs(normal), extent), LIFT_LEAST);
+}
 
-// Origin of a ray that leaves position to the side that `normal` points to.
-fn offset_origin(position: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    let largest = max(max(abs(position.x), abs(position.y)), max(abs(position.z), OFFSET_SCALE));
-    return position + normal * (largest * OFFSET_SHARE);
+// Where a ray starts, and below which distance back faces are not met [E27].
+struct Departure {
+    origin: vec3<f32>,
+    t_back: f32,
+}
+
+// A ray that leaves a surface in a direction, having come from its front or its back. A ray out of a body starts on its
+// inner side, where it still meets the front of what touches the body.
+fn departure(s: Surface, direction: vec3<f32>, from_front: bool) -> Departure {
+    let cosine = dot(direction, s.front);
+    if !from_front && cosine > 0.0 {
+        return Departure(s.position - s.front * s.lift, 2.0 * s.lift / cosine);
+    }
+    return Departure(s.position + s.front * select(-s.lift, s.lift, cosine >= 0.0), 0.0);
 }

@@ -12,11 +12,12 @@ struct Corners {
     v0: vec3<f32>,
     e1: vec3<f32>,
     e2: vec3<f32>,
+    flags: u32,
 }
 
 fn triangle_corners(index: u32) -> Corners {
     let t = triangle_at(index);
-    return Corners(t.v0, t.e1, t.e2);
+    return Corners(t.v0, t.e1, t.e2, t.flags);
 }
 
 fn triangle_at(index: u32) -> PackedTriangle {

@@ -63,6 +63,8 @@ impl Devices {
                     }
                     return Ok((backend, line, plan));
                 }
+                // what is free decides about no picture
+                Err(e @ Error::Memory { .. }) => return Err(e),
                 Err(e) if self.0.is_empty() => return Err(e),
                 Err(e) => because.push(e.to_string()),
             }

@@ -19,6 +19,9 @@ use std::path::PathBuf;
 pub(super) struct PlanArguments {
     /// A scene file (.toml) or a mesh (.obj).
     scene: PathBuf,
+    /// Image size, instead of the scene's.
+    #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
+    size: Option<[u32; 2]>,
     /// Light paths to render, e.g. "LS+DE".
     #[arg(long, value_name = "EXPR")]
     paths: Option<String>,
@@ -34,13 +37,17 @@ pub(super) struct PlanArguments {
 }
 
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
-    let scene = joton::scene::load(&a.scene)?;
+    let mut scene = joton::scene::load(&a.scene)?;
+    if let Some(size) = a.size {
+        scene.resize(size);
+    }
     let keep = super::render::kept(&a.no_skip)?;
     let mut settings = Settings { keep, memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
     let packed = pack(&scene, &settings)?;
+    scene.warnings.extend(joton::pack::doubts(&scene, &packed));
     let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);
     let machine = Machine::REFERENCE;
@@ -50,6 +57,8 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let (kernels, buffers) = (needs.kernels(&traffic), needs.buffers());
     let milliseconds: f64 = kernels.iter().map(|k| k.milliseconds).sum();
     let bytes: u64 = buffers.iter().map(|b| b.bytes).sum();
+    let host_bytes = needs.host_bytes();
+    let per_pixel = [host_bytes as f64 / packed.pixels() as f64, needs.bytes_per_pixel()];
     let scale = packed.world_scale;
     let layers: Vec<&str> = Layer::ALL.into_iter().filter(|&l| plan.traces(l)).map(Layer::name).collect();
     if a.json {
@@ -69,6 +78,9 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "milliseconds": milliseconds,
             "buffers": buffers,
             "bytes": bytes,
+            "bytes_per_pixel": per_pixel[1],
+            "host_bytes": host_bytes,
+            "host_bytes_per_pixel": per_pixel[0],
             "skipped": plan.skipped,
             "warnings": scene.warnings,
         });
@@ -111,11 +123,18 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         "\nkernels of a pass, about {milliseconds:.0} ms on two cores with lavapipe; all but names and numbers of dispatches is estimated"
     ));
     table(
-        ["kernel", "dispatches", "invocations", "rays", "tests", "MB moved", "ms"],
+        ["kernel", "dispatches", "invocations", "rays", "steps", "tests", "MB moved", "ms"],
         kernels.iter().map(kernel_line),
     );
     say(format_args!("\nbuffers, {} together; how many jotons lanes store is estimated", mebibytes(bytes)));
     table(["buffer", "bytes", "holds"], buffers.iter().map(buffer_line));
+    say(format_args!(
+        "\nmemory of a pixel: {:.0} bytes on the device while its strip is there, at most {:.0} on the host; films and files on \
+         the host, at most {}",
+        per_pixel[1],
+        per_pixel[0],
+        mebibytes(host_bytes)
+    ));
     say("");
     for s in &plan.skipped {
         let (what, name, why, back) = (s.what.words(), s.what.name(), s.why.words(), s.why.back());
@@ -128,12 +147,21 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
 }
 
 /// Cells of a kernel's line.
-fn kernel_line(k: &Kernel) -> [String; 7] {
+fn kernel_line(k: &Kernel) -> [String; 8] {
     let name = k.map.map_or(k.name.to_string(), |map| format!("{} ({map})", k.name));
     let megabytes = k.bytes as f64 * 1e-6;
-    let [dispatches, invocations, rays, tests] =
-        [k.dispatches, k.invocations, k.rays, k.tests].map(|n| n.to_string());
-    [name, dispatches, invocations, rays, tests, format!("{megabytes:.2}"), format!("{:.2}", k.milliseconds)]
+    let [dispatches, invocations, rays, steps, tests] =
+        [k.dispatches, k.invocations, k.rays, k.steps, k.tests].map(|n| n.to_string());
+    [
+        name,
+        dispatches,
+        invocations,
+        rays,
+        steps,
+        tests,
+        format!("{megabytes:.2}"),
+        format!("{:.2}", k.milliseconds),
+    ]
 }
 
 /// Cells of a buffer's line.

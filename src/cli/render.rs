@@ -4,7 +4,7 @@ use super::device::Devices;
 use super::{DONE, INTERRUPTED, interrupt, memory, pack, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use joton::backend::Backend;
+use joton::backend::{Backend, PASSES_MAX};
 use joton::film;
 use joton::output::{self, display, exr, png};
 use joton::paths::LightPaths;
@@ -79,6 +79,8 @@ pub(super) struct RenderArguments {
 pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let begin = Instant::now();
     let stop = checked_stop(a)?;
+    // before the names of its outputs: a folder has none to give
+    joton::scene::check_format(&a.scene)?;
     let outputs = if a.output.is_empty() { default_outputs(&a.scene) } else { a.output.clone() };
     for path in &outputs {
         kind_of(path)?;
@@ -99,11 +101,12 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
             tell(format_args!("joton: {line}"));
         }
     };
+    film::check_memory(scene.size)?;
+    let packed = Arc::new(pack(&scene, &settings)?);
+    scene.warnings.extend(joton::pack::doubts(&scene, &packed));
     for warning in &scene.warnings {
         say(&format!("warning: {warning}"));
     }
-    film::check_memory(scene.size)?;
-    let packed = Arc::new(pack(&scene, &settings)?);
     let wanted = Plan::new(&packed, settings);
     let mut devices = Devices::named(&a.device, a.reference)?;
     let (mut backend, mut device, mut plan) = devices.open(&packed, &wanted)?;
@@ -244,6 +247,10 @@ fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a PathBuf>) -> 
 fn checked_stop(a: &RenderArguments) -> Result<Stop> {
     if a.passes == Some(0) {
         return Err(Error::usage("--passes 0 renders nothing", "give at least 1"));
+    }
+    if a.passes.is_some_and(|passes| passes > PASSES_MAX) {
+        let what = format!("--passes: random numbers last for {PASSES_MAX} passes");
+        return Err(Error::usage(what, "ask for fewer, and average renders with other seeds"));
     }
     for (name, value) in [("--time", a.time), ("--error", a.error)] {
         if value.is_some_and(|v| v.is_nan() || v <= 0.0) {

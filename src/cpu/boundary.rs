@@ -7,6 +7,7 @@
 use super::eye::GatherPoint;
 use super::gather::Window;
 use super::maps::AreaMap;
+use crate::layout::{DISC_DETERMINANT, FIT_AMPLIFICATION_MAX, FIT_DETERMINANT_MIN};
 use glam::{Vec3, Vec4};
 use std::f32::consts::PI;
 
@@ -20,8 +21,6 @@ const SURVEY_RADIUS: f32 = 1.3;
 const SURVEY_REACH: f32 = 0.87;
 /// Gather points whose normals' cosine is above this lie in one plane.
 const SAME_PLANE: f32 = 0.9999;
-/// Smallest determinant of the normalised moments (1 for a whole disc) that is solved: a sliver has no slope.
-const DETERMINANT_MIN: f32 = 0.02;
 
 /// Weight of a joton at tangent coordinates (x, y): `constant + slope · (x, y)`, 1/area.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,14 +107,13 @@ fn solve(moments: [f32; 6], radius_squared: f32) -> Weights {
     let (xx, xy, yy) = (second(moments[3], x, x), second(moments[4], x, y), second(moments[5], y, y));
     let determinant = xx * yy - xy * xy;
     let constant = plain.constant / area;
-    // a whole disc has xx = yy = 1/4
-    if determinant * 16.0 < DETERMINANT_MIN {
-        return Weights { constant, slope: [0.0; 2] };
-    }
     // slope = −C⁻¹ centroid, so that the weights vanish against x and y
     let slope = [-(yy * x - xy * y) / determinant, -(xx * y - xy * x) / determinant];
-    let at_center = 1.0 - slope[0] * x - slope[1] * y;
-    Weights { constant: constant * at_center, slope: slope.map(|s| constant * s / radius) }
+    let amplification = 1.0 - slope[0] * x - slope[1] * y;
+    if determinant < FIT_DETERMINANT_MIN * DISC_DETERMINANT || amplification >= FIT_AMPLIFICATION_MAX {
+        return Weights { constant, slope: [0.0; 2] };
+    }
+    Weights { constant: constant * amplification, slope: slope.map(|s| constant * s / radius) }
 }
 
 #[cfg(test)]
@@ -157,6 +155,27 @@ mod tests {
             }
             assert!((one - 1.0).abs() < 1e-3 && x_moment.abs() < 3e-3, "cut {cut}: {one} {x_moment}");
         }
+    }
+
+    /// A sliver has no slope, at its end, too; a quarter of a disc has one.
+    #[test]
+    fn a_sliver_has_no_slope() {
+        let (points, a) = cut_disc(3.0, 4.0);
+        let part = |keep: &dyn Fn(f32, f32) -> bool| -> Vec<[f32; 2]> {
+            points.iter().copied().filter(|[x, y]| keep(*x, *y)).collect()
+        };
+        for sliver in [part(&|_, y| y.abs() < 0.15), part(&|x, y| x > -0.1 && y.abs() < 0.15)] {
+            let w = solve(sampled_moments(&sliver, a), 9.0);
+            assert_eq!(w.slope, [0.0; 2]);
+            assert!((w.constant * sliver.len() as f32 * a - 1.0).abs() < 1e-3, "{w:?}");
+        }
+        let quarter = part(&|x, y| x > 0.0 && y > 0.0);
+        let w = solve(sampled_moments(&quarter, a), 9.0);
+        let weight = |x: f32, y: f32| f64::from((w.constant + w.slope[0] * x + w.slope[1] * y) * a);
+        let [one, x_moment, y_moment] = quarter.iter().fold([0.0; 3], |[one, mx, my], &[x, y]| {
+            [one + weight(x, y), mx + weight(x, y) * f64::from(x), my + weight(x, y) * f64::from(y)]
+        });
+        assert!((one - 1.0).abs() < 1e-3 && x_moment.abs() < 3e-3 && y_moment.abs() < 3e-3, "{w:?}");
     }
 
     #[test]

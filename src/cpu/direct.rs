@@ -8,14 +8,14 @@ use super::eye::GatherPoint;
 use super::streams::{DIMENSION_BSDF, STREAM_LIGHT};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
-use crate::optics::bsdf::{eval_d, pdf_d, sample_d};
+use crate::optics::bsdf::{eval_d, eval_narrow, pdf_d, sample_d};
 use crate::optics::emit::kind;
 use crate::optics::light::{LightSample, pdf_light, sample_light};
 use crate::optics::ray::{Ray, Surface, lift, visible};
 use crate::optics::reservoir::Reservoir;
 use crate::pack::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
-use crate::rng::{random4, sequence_seed, sobol2};
+use crate::rng::{random4, sequence2};
 use glam::Vec3;
 
 /// Direct light at a gather point, times its throughput: one pass's estimate.
@@ -30,14 +30,15 @@ pub(super) fn light(
     let settings = &plan.settings;
     let lights = plan.guides.direct.emitters(&scene.emitters);
     let count = settings.shadow_rays;
-    let seed = sequence_seed(settings.seed, pixel, STREAM_LIGHT);
     let shared = g.material.flags().has_glossy() || near_emitter(lights, g.position);
     let mut sum = BLACK;
     for ray in 0..count {
         let is_drawn = shared || plan.light_candidates > 1;
         let u = if is_drawn { random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray) } else { [0.0; 4] };
-        let first = pass.wrapping_mul(count).wrapping_add(ray).wrapping_mul(plan.light_candidates);
-        let candidates = (0..plan.light_candidates).map(|k| sobol2(first.wrapping_add(k), seed));
+        let [pass, count, ray, number] = [pass, count, ray, plan.light_candidates].map(u64::from);
+        let first = (pass * count + ray) * number;
+        let candidates = (0..plan.light_candidates)
+            .map(|k| sequence2(first + u64::from(k), settings.seed, pixel, STREAM_LIGHT));
         sum = add(&sum, &by_light(scene, lights, g, candidates, u[3], shared, tally));
         if shared {
             sum = add(&sum, &by_bsdf(scene, lights, g, u, plan.light_candidates as f32, tally));
@@ -107,7 +108,10 @@ fn unshadowed(g: &GatherPoint, l: &LightSample, number: f32, shared: bool) -> Ba
     }
     let pdf = number * l.pdf;
     let weight = if shared && pdf > 0.0 { pdf / (pdf + pdf_d(g.material, l.wi, g.wo, g.ns)) } else { 1.0 };
-    scale(&mul(&eval_d(g.material, l.wi, g.wo, g.ns), &l.irradiance), cos_s * weight)
+    let matte = eval_d(g.material, l.wi, g.wo, g.ns);
+    // what has an area is met where the lobe is followed
+    let f = if l.pdf > 0.0 { matte } else { add(&matte, &eval_narrow(g.material, l.wi, g.wo, g.ns)) };
+    scale(&mul(&f, &l.irradiance), cos_s * weight)
 }
 
 /// Light that one sample of the D lobes finds, beside `number` candidates.
@@ -124,7 +128,7 @@ fn by_bsdf(
         return BLACK;
     }
     tally.rays += 1;
-    let ray = Ray { origin: lift(g.position, g.ng, g.triangle), direction: wi };
+    let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
     let Some(s) = Surface::hit(scene, &ray) else { return BLACK };
     if !s.front || !s.flags().is_emissive() {
         return BLACK;

@@ -4,16 +4,16 @@ use super::splits::Splits;
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::bands::{BLACK, Bands, add, max, mul, scale};
-use crate::layout::{SURE_EVENTS, SURVIVAL_MAX};
+use crate::layout::{NARROW_STOPS, SURE_EVENTS, SURVIVAL_MAX};
 use crate::optics::bsdf::{Boundary, reflectance_d, sample_mirror};
 use crate::optics::ray::{Ray, Surface};
-use crate::pack::{PackedMaterial, PackedScene, PackedTriangle};
+use crate::pack::{CameraRay, PackedMaterial, PackedScene, PackedTriangle};
 use crate::paths::LightPaths;
 use crate::plan::Plan;
 use crate::rng::{random4, sequence_seed, sobol2};
 use glam::Vec3;
 
-/// The first D vertex of an eye path; normals turned toward the eye.
+/// The first D vertex of an eye path, or one with a narrow lobe in which lights without area are looked for; normals turned toward the eye.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GatherPoint<'a> {
     pub(super) position: Vec3,
@@ -44,16 +44,16 @@ pub(super) struct EyePath<'a> {
 }
 
 /// The camera's ray of a pixel in a pass; box filter one pixel wide.
-pub(super) fn camera_ray(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -> Ray {
+pub(super) fn camera_ray(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -> CameraRay {
     ray_through(scene, pixel, sobol2(pass, sequence_seed(seed, pixel, STREAM_JITTER)))
 }
 
 /// The camera's ray through a place in a pixel.
-pub(super) fn ray_through(scene: &PackedScene, pixel: u32, [jx, jy]: [f32; 2]) -> Ray {
+pub(super) fn ray_through(scene: &PackedScene, pixel: u32, [jx, jy]: [f32; 2]) -> CameraRay {
     let [width, height] = scene.size;
     let x = ((pixel % width) as f32 + jx) / width as f32;
     let y = ((pixel / width) as f32 + jy) / height as f32;
-    Ray { origin: scene.camera.eye, direction: scene.camera.direction([x, y]) }
+    scene.camera.ray([x, y])
 }
 
 /// True where emission is wanted that is seen through `chain` specular events (E S* L).
@@ -72,10 +72,12 @@ pub(super) fn follow<'a>(
     tally: &mut Tally,
 ) -> EyePath<'a> {
     let settings = &plan.settings;
-    let mut ray = camera_ray(scene, settings.seed, pixel, pass);
+    let CameraRay { origin, direction, travelled: mut length } =
+        camera_ray(scene, settings.seed, pixel, pass);
+    let mut ray = Ray::new(origin, direction);
     // the first choices of way cover their square evenly over the passes: most of a glass ball's noise is theirs
     let choices = sobol2(pass, sequence_seed(settings.seed, pixel, STREAM_CHOICE));
-    let (mut throughput, mut length, mut splits) = ([1.0; 3], 0.0, Splits::start());
+    let (mut throughput, mut splits) = ([1.0; 3], Splits::start());
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;
@@ -100,8 +102,11 @@ pub(super) fn follow<'a>(
             if weight_d + weight_s <= 0.0 {
                 return path;
             }
+            // lights without area are seen in a narrow lobe only from a path that stops there
+            let looks = plan.features.delta_lights && s.material.has_narrow_lobe();
+            let weight_stop = if looks { weight_d.max(NARROW_STOPS * weight_s) } else { weight_d };
             // one lobe only: probability 1, no noise
-            let p_d = weight_d / (weight_d + weight_s);
+            let p_d = weight_stop / (weight_stop + weight_s);
             if u_way < p_d {
                 path.gather_point = Some(GatherPoint {
                     position: s.position,
@@ -118,7 +123,7 @@ pub(super) fn follow<'a>(
                 return path;
             }
             throughput = scale(&mul(&throughput, &s.material.specular), 1.0 / (1.0 - p_d));
-            splits = splits.mirrored(weight_s / carried, 1.0 - p_d);
+            splits = splits.mirrored(weight_s / carried, weight_s / (weight_d + weight_s));
             (sample_mirror(&s, [u0, u1]), weight_d + weight_s)
         };
         let Some(direction) = on else { return path };

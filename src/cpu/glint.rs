@@ -12,9 +12,9 @@ use crate::glints::{Glints, Light, Look, is_mixed};
 use crate::layout::{PILOT_TREES, WAITING_MAX};
 use crate::optics::bsdf::{reflectance_d, sample_mirror};
 use crate::optics::ray::{Ray, Surface};
-use crate::pack::PackedScene;
+use crate::pack::{CameraRay, PackedScene};
 use crate::plan::Plan;
-use crate::rng::{random4, sequence_seed, sobol2};
+use crate::rng::{random4, seed_at, sequence2};
 use rayon::prelude::*;
 
 /// Of the trees of a pixel in the pilot the ones that tell whether there is anything to see but D surfaces: most pixels need no more.
@@ -44,12 +44,15 @@ struct Way {
 fn tree(
     scene: &PackedScene,
     seed: u32,
-    [pixel, number]: [u32; 2],
+    pixel: u32,
+    number: u64,
     weight: impl Fn(u32, &Splits) -> f32,
     tally: &mut Tally,
 ) -> Seen {
-    let place = sobol2(number, sequence_seed(seed, pixel, STREAM_GLINT_JITTER));
-    let ray = ray_through(scene, pixel, place);
+    let place = sequence2(number, seed, pixel, STREAM_GLINT_JITTER);
+    let (seed, number) = (seed_at(seed, (number >> 32) as u32), number as u32);
+    let CameraRay { origin, direction, .. } = ray_through(scene, pixel, place);
+    let ray = Ray::new(origin, direction);
     let mut waiting =
         [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0 }; WAITING_MAX as usize];
     let mut count = 1;
@@ -132,7 +135,7 @@ pub(super) fn emission(
         if wants_emission(plan, events) { splits.weight_of_tree(trees) } else { 0.0 }
     };
     glints.numbers(pixel, pass, seed).fold(BLACK, |sum, number| {
-        let seen = tree(scene, seed, [pixel, number], weight, tally);
+        let seen = tree(scene, seed, pixel, number, weight, tally);
         add(&sum, &seen.emission)
     })
 }
@@ -149,12 +152,12 @@ struct Survey {
 }
 
 impl Survey {
-    /// After trees up to this one, too. They are the last of their sequences: no pass uses them, so a choice by them costs no
-    /// bias. It knows no --paths: the parts of an image add up.
+    /// After trees up to this one, too. No pass uses them, so a choice by them costs no bias. It knows no --paths: the parts of an image add up.
     fn up_to(mut self, trees: u32, scene: &PackedScene, seed: u32, [pixel, pilot]: [u32; 2]) -> Self {
         for i in self.trees..trees {
-            let number = pilot.wrapping_mul(PILOT_TREES).wrapping_add(i);
-            let seen = tree(scene, seed, [pixel, number], |_, _| 1.0, &mut Tally::default());
+            // no pass has so high a number
+            let number = u64::from(pilot) << 32 | u64::from(i);
+            let seen = tree(scene, seed, pixel, number, |_, _| 1.0, &mut Tally::default());
             self.trees += 1;
             self.lit += u32::from(!is_black(&seen.emission));
             self.direct += u32::from(seen.direct);

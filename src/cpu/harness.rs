@@ -4,14 +4,15 @@ use super::eye::camera_ray;
 use super::streams::*;
 use crate::bands::Bands;
 use crate::optics::bsdf::sample_mirror;
+use crate::optics::cone::{Beam, into_targets};
 use crate::optics::emit::{self, Start};
 use crate::optics::ray::Surface;
 use crate::pack::{Guide, NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
-use crate::rng::{sequence_seed, sobol2};
+use crate::rng::sequence2;
 use glam::Vec3;
 
 /// Every stream of Sobol pairs.
-pub const STREAMS: [u32; 10] = [
+pub const STREAMS: [u32; 9] = [
     STREAM_JITTER,
     STREAM_LIGHT,
     STREAM_CAUSTIC_PLACE,
@@ -21,7 +22,6 @@ pub const STREAMS: [u32; 10] = [
     STREAM_AREA,
     STREAM_CHOICE,
     STREAM_GLINT_JITTER,
-    STREAM_GLINT_CHOICE,
 ];
 
 /// First dimension of hashed numbers of each purpose.
@@ -41,10 +41,11 @@ pub fn emit(
     guide: &Guide,
     seed: u32,
     caustic: bool,
-    index: u32,
+    index: impl Into<u64>,
     count: u32,
 ) -> Option<(Vec3, Vec3, Bands)> {
-    let draw = |stream| sobol2(index, sequence_seed(seed, 0, stream));
+    let index = index.into();
+    let draw = |stream| sequence2(index, seed, 0, stream);
     let count = count as f32;
     let start = if caustic {
         emit::aimed(scene, guide, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)
@@ -56,7 +57,8 @@ pub fn emit(
 
 /// A direction from `origin` into the cones of the targets and its pdf_solid_angle.
 pub fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
-    emit::into_cones(targets, origin, u)
+    let (ray, pdf) = into_targets(targets, &Beam { through: origin, axis: Vec3::Z, distance: 0.0 }, u)?;
+    Some((ray.direction, pdf))
 }
 
 /// Number of the emitter that `u` picks, and what is left of `u`.

@@ -165,13 +165,14 @@ impl CpuBackend {
             self.refresh_area(0);
         }
         let (scene, plan) = (&self.scene, &self.plan);
-        let points = pixels::gather_points(scene, plan, PILOT_PASS);
-        if traces_caustic {
-            let jotons = trace::jotons(scene, plan, PILOT_PASS, true, &mut Tally::default());
-            self.caustic_base = pixels::caustic_base(scene, plan, &points, &JotonMap::new(jotons));
-        }
+        let map = traces_caustic
+            .then(|| JotonMap::new(trace::jotons(scene, plan, PILOT_PASS, true, &mut Tally::default())));
         let area = self.area.as_ref().filter(|_| by_area).map(|a| &a.map);
-        self.clips = pixels::clips(scene, plan, &points, area);
+        let (found, clips) = pixels::look_around(scene, plan, PILOT_PASS, map.as_ref(), area);
+        self.clips = clips;
+        if traces_caustic {
+            self.caustic_base = pixels::caustic_base(scene, plan, &found);
+        }
     }
 
     fn pass(&mut self, pass: u64, layers: &mut [Vec<Bands>; LAYERS], tally: &mut Tally) {

@@ -10,10 +10,10 @@ use crate::bands::{BLACK, Bands, add, max, mul, scale};
 use crate::error::Result;
 use crate::film::{LAYERS, Layer};
 use crate::layout::SURVIVAL_MAX;
-use crate::optics::bsdf::{Boundary, eval_d, pdf_d, reflectance_d, sample_d, sample_mirror};
+use crate::optics::bsdf::{Boundary, eval_d, eval_narrow, pdf_d, reflectance_d, sample_d, sample_mirror};
 use crate::optics::light::{pdf_light, sample_light};
-use crate::optics::ray::{Surface, lift, visible};
-use crate::pack::PackedScene;
+use crate::optics::ray::{Ray, Surface, lift, visible};
+use crate::pack::{CameraRay, PackedScene};
 use crate::paths::{Event, LightPaths};
 use crate::plan::Plan;
 use crate::rng::random4;
@@ -78,6 +78,15 @@ impl Backend for PathTracer {
     }
 }
 
+/// Which lobes a shadow ray looks at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lobe {
+    /// The D lobes.
+    Matte,
+    /// The one that is followed.
+    Narrow,
+}
+
 struct Path<'a> {
     scene: &'a PackedScene,
     plan: &'a Plan,
@@ -140,7 +149,9 @@ impl<'a> Path<'a> {
 
     fn walk(&mut self) {
         let scene = self.scene;
-        let mut ray = camera_ray(scene, self.plan.settings.seed, self.pixel, self.pass);
+        let CameraRay { origin, direction, .. } =
+            camera_ray(scene, self.plan.settings.seed, self.pixel, self.pass);
+        let mut ray = Ray::new(origin, direction);
         let mut throughput = [1.0; crate::bands::BANDS];
         // throughput without the (η_i/η_t)² of crossings: leaving a body must not look like a gain
         let mut eta_squared = 1.0;
@@ -179,7 +190,7 @@ impl<'a> Path<'a> {
                     throughput = scale(&throughput, 1.0 / p_d);
                     let [_, l0, l1, _] = self.random(1);
                     self.events.push(Event::D);
-                    self.next_event(&s, &throughput, [l0, l1]);
+                    self.next_event(&s, &throughput, [l0, l1], Lobe::Matte);
                     let Some(wi) = sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]) else { return };
                     if wi.dot(s.ng) <= 0.0 {
                         return;
@@ -190,7 +201,15 @@ impl<'a> Path<'a> {
                     pdf_last = Some(pdf);
                     wi
                 } else {
-                    throughput = scale(&mul(&throughput, &s.material.specular), 1.0 / (1.0 - p_d));
+                    let throughput_in = scale(&throughput, 1.0 / (1.0 - p_d));
+                    throughput = mul(&throughput_in, &s.material.specular);
+                    // where nothing else of the path is D the lobe is: what it sends on to a D is a caustic
+                    if s.material.has_narrow_lobe() && !self.events.contains(&Event::D) {
+                        let [_, l0, l1, _] = self.random(1);
+                        self.events.push(Event::D);
+                        self.next_event(&s, &throughput_in, [l0, l1], Lobe::Narrow);
+                        self.events.pop();
+                    }
                     self.events.push(Event::S);
                     pdf_last = None;
                     let Some(wi) = sample_mirror(&s, [u0, u1]) else { return };
@@ -208,12 +227,13 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// A shadow ray to an emitter.
-    fn next_event(&mut self, s: &Surface, throughput: &Bands, u: [f32; 2]) {
+    /// A shadow ray to an emitter; in a narrow lobe, which is followed, too, only to those without area.
+    fn next_event(&mut self, s: &Surface, throughput: &Bands, u: [f32; 2], lobe: Lobe) {
         let origin = lift(s.position, s.ng, s.triangle);
         let Some(l) = sample_light(&self.scene.emitters, origin, u) else { return };
         let cos_s = l.wi.dot(s.ns);
-        if cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
+        let is_met = lobe == Lobe::Narrow && l.pdf > 0.0;
+        if is_met || cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
             return;
         }
         self.rays += 1;
@@ -222,7 +242,10 @@ impl<'a> Path<'a> {
         }
         let pdf = pdf_d(s.material, l.wi, s.back, s.ns);
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + pdf) } else { 1.0 };
-        let f = eval_d(s.material, l.wi, s.back, s.ns);
+        let f = match lobe {
+            Lobe::Matte => eval_d(s.material, l.wi, s.back, s.ns),
+            Lobe::Narrow => eval_narrow(s.material, l.wi, s.back, s.ns),
+        };
         self.found(&scale(&mul(&mul(throughput, &f), &l.irradiance), cos_s * weight));
     }
 }

@@ -134,25 +134,29 @@ pub(super) fn interiors(
     all
 }
 
-/// The gather point of each pixel in a pass.
-pub(super) fn gather_points<'a>(
-    scene: &'a PackedScene,
-    plan: &Plan,
-    pass: u32,
-) -> Vec<Option<eye::GatherPoint<'a>>> {
-    let follow = |pixel| eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point;
-    (0..scene.pixels() as u32).into_par_iter().map(follow).collect()
-}
+/// What the largest caustic disc of a pixel holds in the pilot: jotons, and the limits of its radius; none without a gather point.
+pub(super) type Found = Option<(u32, [f32; 2])>;
 
-/// The walls about each pixel's gather point, within the largest radius.
-pub(super) fn clips(
+/// What is about each pixel's gather point of a pass: jotons of the caustic map, where there is one, and the walls within the
+/// largest radius.
+pub(super) fn look_around(
     scene: &PackedScene,
     plan: &Plan,
-    points: &[Option<eye::GatherPoint>],
+    pass: u32,
+    caustic: Option<&JotonMap>,
     area: Option<&AreaMap>,
-) -> Vec<Clip> {
-    let find = |g: &eye::GatherPoint| clip::find(scene, area, g, plan.diffuse.base as f32);
-    points.par_iter().map(|g| g.as_ref().map_or(Clip::default(), find)).collect()
+) -> (Vec<Found>, Vec<Clip>) {
+    let look = |pixel| {
+        let Some(g) = eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point else {
+            return (None, Clip::default());
+        };
+        let found = caustic.map(|map| {
+            let limits = caustic_limits(scene, plan, &g);
+            (count(map, &Window::new(&g, limits[1] * limits[1])), limits)
+        });
+        (found, clip::find(scene, area, &g, plan.diffuse.base as f32))
+    };
+    (0..scene.pixels() as u32).into_par_iter().map(look).unzip()
 }
 
 /// Smallest and largest caustic radius of the first pass at a gather point.
@@ -164,20 +168,7 @@ fn caustic_limits(scene: &PackedScene, plan: &Plan, g: &eye::GatherPoint) -> [f3
 
 /// The caustic radius of each pixel in the first pass, from the jotons counted in a pilot:
 /// r = clamp(r_max √(K/k), r_min, r_max), k the mean count at r_max over 3×3 pixels [E14].
-pub(super) fn caustic_base(
-    scene: &PackedScene,
-    plan: &Plan,
-    points: &[Option<eye::GatherPoint>],
-    map: &JotonMap,
-) -> Vec<f32> {
-    let found: Vec<Option<(u32, [f32; 2])>> = points
-        .par_iter()
-        .map(|point| {
-            let g = point.as_ref()?;
-            let limits = caustic_limits(scene, plan, g);
-            Some((count(map, &Window::new(g, limits[1] * limits[1])), limits))
-        })
-        .collect();
+pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, found: &[Found]) -> Vec<f32> {
     let base = |pixel: usize| {
         let Some((_, [smallest, largest])) = found[pixel] else {
             return plan.caustic.base as f32;

@@ -21,8 +21,6 @@ pub(super) const STREAM_AREA: u32 = 6;
 pub(super) const STREAM_CHOICE: u32 = 7;
 /// Place in the pixel of a glint's chains.
 pub(super) const STREAM_GLINT_JITTER: u32 = 8;
-/// First two events of a glint's chains.
-pub(super) const STREAM_GLINT_CHOICE: u32 = 9;
 
 /// Hard limit of a path's length: the dimensions of a purpose. The roulette ends paths long before.
 pub(super) const EVENTS_MAX: u32 = 1 << 16;

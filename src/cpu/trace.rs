@@ -16,7 +16,7 @@ use crate::optics::ray::{Ray, Surface};
 use crate::pack::PackedScene;
 use crate::paths::{DEAD, Event, LightPaths};
 use crate::plan::Plan;
-use crate::rng::{random4, sequence_seed, sobol2};
+use crate::rng::{random4, sequence2};
 use rayon::prelude::*;
 
 /// Most that shading normals may change a joton's flux at one event; Veach's factor is unbounded at grazing angles.
@@ -63,8 +63,8 @@ struct Tracer<'a> {
 
 impl Tracer<'_> {
     fn sobol(&self, i: u32, count: u32, stream: u32) -> [f32; 2] {
-        let index = self.pass.wrapping_mul(count).wrapping_add(i);
-        sobol2(index, sequence_seed(self.plan.settings.seed, 0, stream))
+        let index = u64::from(self.pass) * u64::from(count) + u64::from(i);
+        sequence2(index, self.plan.settings.seed, 0, stream)
     }
 
     /// A joton of class L S+ D.
@@ -88,7 +88,7 @@ impl Tracer<'_> {
 
     fn follow<const CAUSTIC: bool>(&mut self, i: u32, start: Start, dimension: u32) {
         let paths = &self.plan.settings.paths;
-        let (mut ray, mut flux) = (Ray { origin: start.origin, direction: start.direction }, start.flux);
+        let (mut ray, mut flux) = (Ray::new(start.origin, start.direction), start.flux);
         let mut state = LightPaths::START;
         let (mut specular, mut diffuse) = (0u32, 0u32);
         for event in 0..EVENTS_MAX {

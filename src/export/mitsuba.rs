@@ -71,8 +71,9 @@ fn bsdf(bsdf: &Bsdf, id: &str) -> String {
     match bsdf {
         Bsdf::Diffuse(kd) => two_sided(diffuse(kd)),
         Bsdf::Mirror(ks) => two_sided(mirror(ks)),
-        Bsdf::Dielectric(d) => format!(
-            "<bsdf type=\"dielectric\" id=\"{id}\">{}{}{}{}</bsdf>",
+        Bsdf::Dielectric(d) | Bsdf::Pane(d) => format!(
+            "<bsdf type=\"{}\" id=\"{id}\">{}{}{}{}</bsdf>",
+            if matches!(bsdf, Bsdf::Pane(_)) { "thindielectric" } else { "dielectric" },
             float("int_ior", d.ior),
             float("ext_ior", 1.0),
             rgb("specular_reflectance", &d.reflection_tint),
@@ -102,8 +103,8 @@ fn emitter(light: &Light) -> String {
             triple("point", "position", *position),
             rgb("intensity", intensity)
         ),
-        Light::Spot { position, direction, intensity, cos_outer, .. } => {
-            let angle = cos_outer.acos().to_degrees();
+        Light::Spot { position, direction, intensity, angle_outer, .. } => {
+            let angle = angle_outer.to_degrees();
             format!(
                 "<emitter type=\"spot\">{}{}{}{}</emitter>",
                 look_at(*position, *position + *direction, direction.any_orthogonal_vector()),

@@ -18,6 +18,8 @@ pub(super) enum Bsdf {
     Mirror(Bands),
     /// The boundary of a transparent body, which is behind the front.
     Dielectric(Dielectric),
+    /// Both boundaries of such a body in one place.
+    Pane(Dielectric),
 }
 
 impl Bsdf {
@@ -30,7 +32,7 @@ impl Bsdf {
             Err(unsupported(source, format!("material \"{}\": {what}", material.name), remedy))
         };
         if let Some(dielectric) = material.dielectric {
-            return Ok(Self::Dielectric(dielectric));
+            return Ok(if material.thin { Self::Pane(dielectric) } else { Self::Dielectric(dielectric) });
         }
         if !is_black(&material.glossy) {
             return refuse("its glossy lobe (Phong) has no counterpart in other renderers", ONE_LOBE);
@@ -55,8 +57,8 @@ impl Bsdf {
 /// The lights, if each has a counterpart.
 pub(super) fn check_lights<'a>(scene: &'a Scene, source: &Path) -> Result<&'a [Light]> {
     for (i, light) in scene.lights.iter().enumerate() {
-        if let Light::Spot { cos_inner, cos_outer, .. } = light
-            && cos_inner != cos_outer
+        if let Light::Spot { angle_inner, angle_outer, .. } = light
+            && angle_inner != angle_outer
         {
             return Err(unsupported(
                 source,

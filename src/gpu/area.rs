@@ -3,10 +3,12 @@
 use super::GpuBackend;
 use super::scene_buffers::{self, encode_area_point};
 use crate::error::Result;
-use crate::layout::{AreaPoint, CELLS_PER_RADIUS, row_bucket};
+use crate::layout::AreaPoint;
 use crate::pack::{PackedScene, scatter_area_points};
 use crate::plan::area_group;
 use crate::plan::buffers::{AREA_KEY_BITS, AREA_STARTS, area_points, area_points_most, area_points_wanted};
+use crate::plan::grid::Grid;
+use crate::rng::purpose::STREAM_AREA;
 use crate::rng::sequence_seed;
 use glam::Vec3;
 use std::ops::Range;
@@ -27,23 +29,13 @@ pub(super) struct AreaGrid {
     pub columns: u32,
 }
 
-/// Stream of the scatter's seeds; those of the kernels lie below.
-const STREAM_AREA: u32 = 0x100;
-
 /// Scatter and sort about `count` points for discs of at most this radius.
 pub(super) fn build(scene: &PackedScene, radius: f64, count: usize, seed: u32) -> AreaGrid {
     let (points, each) = scatter_area_points(scene, count, seed);
-    let extent = scene.bounds[1] - scene.bounds[0];
-    let cells_per_unit = (CELLS_PER_RADIUS / radius as f32).min(30_000.0 / extent.max_element());
-    let columns = (extent.x * cells_per_unit) as u32 + 1;
-    let row_mask = (1u32 << ((1u32 << AREA_KEY_BITS) - columns).ilog2()) - 1;
-    let key = |p: Vec3| {
-        // the same arithmetic as shaders/shared/grid.wgsl
-        let cell = ((p - scene.bounds[0]) * cells_per_unit).floor().as_ivec3();
-        row_bucket(cell.y, cell.z, row_mask) + (cell.x.clamp(0, columns as i32 - 1) as u32)
-    };
+    let grid = Grid::new(scene.bounds, radius as f32, AREA_KEY_BITS);
+    let Grid { cells_per_unit, row_mask, columns, .. } = grid;
     let mut starts = vec![0u32; AREA_STARTS];
-    let keys: Vec<u32> = points.iter().map(|p| key(p.position)).collect();
+    let keys: Vec<u32> = points.iter().map(|p| grid.bucket(p.position)).collect();
     for &k in &keys {
         starts[k as usize + 1] += 1;
     }

@@ -188,6 +188,21 @@ impl Context {
         staging: &mut Option<wgpu::Buffer>,
         sources: &[(&wgpu::Buffer, Range<u64>)],
     ) -> Result<Vec<Vec<u8>>> {
+        let mut out = Vec::with_capacity(sources.len());
+        self.look_at(staging, sources, |_, bytes| out.push(bytes.to_vec()))?;
+        Ok(out)
+    }
+
+    /// Likewise, and show `see` the number and the bytes of each source, without a copy.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the copy fails.
+    pub fn look_at(
+        &self,
+        staging: &mut Option<wgpu::Buffer>,
+        sources: &[(&wgpu::Buffer, Range<u64>)],
+        mut see: impl FnMut(usize, &[u8]),
+    ) -> Result<()> {
         let length = |bytes: &Range<u64>| bytes.end - bytes.start;
         let total: u64 = sources.iter().map(|(_, bytes)| length(bytes)).sum();
         if staging.as_ref().is_none_or(|s| s.size() < total) {
@@ -198,7 +213,7 @@ impl Context {
                 mapped_at_creation: false,
             }));
         }
-        let Some(staging) = staging else { return Ok(Vec::new()) };
+        let Some(staging) = staging else { return Ok(()) };
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut at = 0;
         for (source, bytes) in sources {
@@ -217,19 +232,18 @@ impl Context {
             Some(Err(e)) => return Err(failed(format!("reading back failed: {e}"))),
             None => return Err(failed("reading back was dropped".into())),
         }
-        let mut out = Vec::with_capacity(sources.len());
         {
             let mapped =
                 staging.get_mapped_range(..total).map_err(|e| failed(format!("mapping failed: {e}")))?;
             let mut at = 0;
-            for (_, bytes) in sources {
+            for (i, (_, bytes)) in sources.iter().enumerate() {
                 let size = length(bytes) as usize;
-                out.push(mapped[at..at + size].to_vec());
+                see(i, &mapped[at..at + size]);
                 at += size;
             }
         }
         staging.unmap();
-        Ok(out)
+        Ok(())
     }
 }
 

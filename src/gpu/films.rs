@@ -8,12 +8,16 @@ use crate::plan::buffers::{FILM_PIXEL, FILMS};
 use std::ops::Range;
 
 impl GpuBackend {
-    /// The films that are traced and their bytes of these rows; none where there are no rows. Strips keep theirs on
-    /// the host.
+    /// The films that are traced and their bytes of these rows; none where there are no rows. Strips take turns on theirs.
     pub(super) fn film_parts(&self, rows: &Range<usize>) -> Vec<(&wgpu::Buffer, Range<u64>)> {
         if rows.is_empty() || self.strips.count() > 1 {
             return Vec::new();
         }
+        self.parts_of_films(rows)
+    }
+
+    /// The films that are traced and their bytes of these rows of the buffers.
+    pub(super) fn parts_of_films(&self, rows: &Range<usize>) -> Vec<(&wgpu::Buffer, Range<u64>)> {
         let row_bytes = u64::from(self.scene.size[0]) * FILM_PIXEL;
         let bytes = rows.start as u64 * row_bytes..rows.end as u64 * row_bytes;
         self.traced_films().map(|(_, name)| (&self.buffers[name], bytes.clone())).collect()
@@ -35,36 +39,35 @@ impl GpuBackend {
             encoder.clear_buffer(film, bytes.start, Some(bytes.end - bytes.start));
         }
         self.context.queue.submit([encoder.finish()]);
-        self.kept.iter_mut().for_each(|strip| strip.films.clear());
-    }
-
-    /// The layers from what was read of the films that are traced; black where nothing was.
-    pub(super) fn images(
-        &self,
-        rows: &Range<usize>,
-        parts: &[Vec<u8>],
-        non_finite: &mut NonFinite,
-    ) -> [Vec<Bands>; LAYERS] {
-        let width = self.scene.size[0] as usize;
-        // zeros that are never touched take no time
-        let mut layers = std::array::from_fn(|_| vec![[0.0; BANDS]; self.scene.pixels()]);
-        for ((layer, _), bytes) in self.traced_films().zip(parts) {
-            let pixels: &[[f32; 4]] = bytemuck::cast_slice(bytes);
-            let image: &mut Vec<Bands> = &mut layers[layer as usize];
-            for (bands, p) in image[rows.start * width..rows.end * width].iter_mut().zip(pixels) {
-                *bands = keep_finite(p, non_finite);
-            }
+        if self.strips.count() > 1 {
+            self.strip_films = None;
         }
-        layers
     }
 }
 
-/// A pixel, or black and counted where a band is not finite (tested by bits).
-fn keep_finite(p: &[f32; 4], non_finite: &mut NonFinite) -> Bands {
-    let bands: Bands = std::array::from_fn(|b| p[b]);
-    if bands.iter().all(|x| x.to_bits() & 0x7f80_0000 != 0x7f80_0000) {
-        return bands;
+/// Black layers. Zeros that are never touched take no memory.
+pub(super) fn black(pixels: usize) -> [Vec<Bands>; LAYERS] {
+    std::array::from_fn(|_| vec![[0.0; BANDS]; pixels])
+}
+
+/// Put into an image what was read of a film. Black pixels are left alone.
+pub(super) fn put(pixels: &mut [Bands], bytes: &[u8]) {
+    for (bands, p) in pixels.iter_mut().zip(bytes.chunks_exact(FILM_PIXEL as usize)) {
+        let p: [f32; 4] = bytemuck::pod_read_unaligned(p);
+        let found: Bands = std::array::from_fn(|b| p[b]);
+        if found.map(f32::to_bits) != bands.map(f32::to_bits) {
+            *bands = found;
+        }
     }
-    non_finite.count(Cause::ReadBack);
-    [0.0; BANDS]
+}
+
+/// Black and counted where a band of a pixel is not finite (tested by bits).
+pub(super) fn keep_finite(layers: &mut [Vec<Bands>; LAYERS], non_finite: &mut NonFinite) {
+    let is_finite = |x: &f32| x.to_bits() & 0x7f80_0000 != 0x7f80_0000;
+    for bands in layers.iter_mut().flatten() {
+        if !bands.iter().all(is_finite) {
+            non_finite.count(Cause::ReadBack);
+            *bands = [0.0; BANDS];
+        }
+    }
 }

@@ -4,10 +4,11 @@ use super::context::Context;
 use super::kernel::{Buffers, Kernel, Step};
 use super::recorder::Recorder;
 use crate::error::Result;
-use crate::layout::{CELLS_PER_RADIUS, MapInfo};
+use crate::layout::MapInfo;
 use crate::pack::PackedScene;
 use crate::plan::Schedule;
 use crate::plan::buffers::SCAN_BLOCK;
+use crate::plan::grid::Grid;
 use crate::plan::shape::{DIGIT_BITS, Kind, Machine, Shape};
 use bytemuck::{Pod, Zeroable};
 
@@ -33,9 +34,6 @@ struct SortInfo {
 
 /// Counters of a digit.
 const DIGITS: u32 = 1 << DIGIT_BITS;
-/// A cell is never narrower than this part of the scene: columns fit the table.
-const COLUMNS_MAX: f32 = 30_000.0;
-
 /// Pipelines that both maps share.
 pub(super) struct MapKernels {
     lane_counts: Kernel,
@@ -162,23 +160,21 @@ impl Map {
         })
     }
 
-    /// The uniform of a pass. `random_pass` addresses the random numbers, `pass` the radius.
+    /// The uniform of a pass. `random_pass` addresses the random numbers, of `planned` jotons a pass, `pass` the radius.
     pub(super) fn info(
         &self,
         scene: &PackedScene,
         schedule: &Schedule,
         pass: u64,
         random_pass: u32,
+        planned: u32,
     ) -> MapInfo {
+        let first = self.shape.indices(random_pass, planned).start;
         let radius = schedule.radius(pass) as f32;
-        let extent = scene.bounds[1] - scene.bounds[0];
-        let cells_per_unit = (CELLS_PER_RADIUS / radius).min(COLUMNS_MAX / extent.max_element());
-        let columns = (extent.x * cells_per_unit) as u32 + 1;
-        let rows = (1u32 << self.shape.key_bits()) - columns;
-        // the largest power of two that leaves room for the columns
-        let row_mask = (1u32 << rows.ilog2()) - 1;
+        let Grid { origin, cells_per_unit, row_mask, columns } =
+            Grid::new(scene.bounds, radius, self.shape.key_bits());
         MapInfo {
-            grid_origin: scene.bounds[0],
+            grid_origin: origin,
             cells_per_unit,
             radius,
             shrink: crate::plan::shrink(schedule.alpha, pass) as f32,
@@ -187,9 +183,9 @@ impl Map {
             emitted: self.shape.emitted,
             lanes: self.shape.lanes,
             lane_capacity: self.shape.lane_capacity,
-            first_joton: random_pass.wrapping_mul(self.shape.emitted),
+            first_joton: first as u32,
+            first_joton_high: (first >> 32) as u32,
             pass_index: random_pass,
-            chunks: 0,
             area_each: 0.0,
             area_cells_per_unit: 0.0,
             area_row_mask: 0,

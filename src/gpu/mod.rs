@@ -23,12 +23,11 @@ pub use kernel::{Buffers, Kernel, Step};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
 use crate::backend::{Backend, Batch, Tally};
-use crate::bands::BANDS;
+use crate::bands::{BANDS, Bands};
 use crate::error::{Error, Result};
-use crate::film::{Layer, host_bytes};
+use crate::film::{LAYERS, Layer};
 use crate::glints::Glints;
 use crate::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
-use crate::memory;
 use crate::pack::PackedScene;
 use crate::plan::buffers::{self, Buffer, Needs};
 use crate::plan::shape::{Kind, Shape, Shapes, Strip, Strips, roomy};
@@ -41,7 +40,7 @@ use precompile::Precompiler;
 use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::sync::Arc;
-use strips::{KEPT_BYTES_PER_PIXEL, Kept};
+use strips::Kept;
 use tiles::Tiles;
 
 /// Passes of a batch on a GPU, at most: they are summed in f32.
@@ -62,6 +61,8 @@ pub struct GpuBackend {
     shapes: Shapes,
     strips: Strips,
     kept: Vec<Kept>,
+    /// Sums of a batch so far, where strips take turns; none before its first strip.
+    strip_films: Option<[Vec<Bands>; LAYERS]>,
     area: Option<AreaState>,
     tiles: Tiles,
     glints: GlintLists,
@@ -75,13 +76,7 @@ impl GpuBackend {
     ///
     /// # Errors
     /// [`Error::Device`] where the device fails, [`Error::Capacity`] where the scene does not fit.
-    pub fn new(context: Context, scene: Arc<PackedScene>, mut plan: Plan) -> Result<Self> {
-        if context.is_software() {
-            // its memory is the host's; films, files and strips need theirs
-            let kept = scene.pixels() as u64 * KEPT_BYTES_PER_PIXEL;
-            let left = || Some(memory::available()?.saturating_sub(host_bytes(scene.size) + kept));
-            plan.settings.memory = plan.settings.memory.or_else(left);
-        }
+    pub fn new(context: Context, scene: Arc<PackedScene>, plan: Plan) -> Result<Self> {
         let depth = scene.bvh.depth();
         if depth > TRAVERSAL_STACK {
             let what = format!(
@@ -110,6 +105,7 @@ impl GpuBackend {
             shapes,
             strips,
             kept: Vec::new(),
+            strip_films: None,
             area: None,
             tiles,
             glints: GlintLists::none(),
@@ -170,7 +166,7 @@ impl GpuBackend {
     fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
         let c = &self.scene.camera;
         PassInfo {
-            eye: c.eye,
+            eye: c.start,
             width: self.scene.size[0],
             right: c.right,
             height: self.scene.size[1],
@@ -190,6 +186,10 @@ impl GpuBackend {
             glint_first: 0,
             glint_count: 0,
             glint_turns: self.glints.turns(),
+            eye_ahead: c.ahead,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 
@@ -198,7 +198,7 @@ impl GpuBackend {
         let found = self.steps.as_ref().and_then(|s| s.maps.iter().find(|(m, _)| m.kind == kind));
         let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
         let schedule = if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
-        let mut info = map.info(&self.scene, schedule, pass, random_pass);
+        let mut info = map.info(&self.scene, schedule, pass, random_pass, self.plan.jotons(kind));
         info.marks_per_unit = self.plan.marks.as_ref().map_or(0.0, |m| m.per_unit);
         if let (Kind::Diffuse, Some(area)) = (kind, &self.area) {
             info.area_each = area.each;
@@ -239,7 +239,9 @@ impl GpuBackend {
         let live = self.tiles.live(pass);
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
         let at = recorder.ring.push(&pass_info);
-        steps.record_camera(&mut recorder, at, live, self.glints.growths(0, &pass_info));
+        steps.record_eye(&mut recorder, at, live);
+        steps.record_glints(&mut recorder, self.glints.growths(0, &(0..u32::MAX), &pass_info));
+        steps.record_direct(&mut recorder, at, live);
         for (map, gather) in &steps.maps {
             let info = infos[map.kind as usize];
             recorder.clear(&self.buffers["lanes"]);
@@ -354,7 +356,7 @@ impl Backend for GpuBackend {
         let mut tries = 0;
         // what lies above and below is at rest
         let rows = self.tiles.rest().rows(first, u64::from(count));
-        let (films, words, tallies) = loop {
+        let (mut layers, words, tallies) = loop {
             tries += 1;
             if tries > BATCH_TRIES {
                 let what = format!("{}: passes {first} and on do not come out whole", self.context.info.name);
@@ -368,19 +370,24 @@ impl Backend for GpuBackend {
             let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
             let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
             sources.extend(self.film_parts(&rows));
-            let mut read = self.context.read_parts(&mut staging, &sources)?;
-            self.staging = staging;
-            let words: Vec<u32> = bytemuck::pod_collect_to_vec(&read[0]);
-            if !self.must_repeat(&words)? {
-                let mut films = read.split_off(3);
-                if self.strips.count() > 1 {
-                    films = self.films_of_strips();
+            let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
+            let width = self.scene.size[0] as usize;
+            let mut layers = films::black(self.scene.pixels());
+            let mut counted: Vec<Vec<u8>> = Vec::new();
+            self.context.look_at(&mut staging, &sources, |i, bytes| match i.checked_sub(counts.len()) {
+                None => counted.push(bytes.to_vec()),
+                Some(film) => {
+                    films::put(&mut layers[traced[film]][rows.start * width..rows.end * width], bytes);
                 }
-                break (films, words, read);
+            })?;
+            self.staging = staging;
+            let words: Vec<u32> = bytemuck::pod_collect_to_vec(&counted[0]);
+            if !self.must_repeat(&words)? {
+                break (self.strip_films.take().unwrap_or(layers), words, counted);
             }
         };
         let mut tally = Tally::default();
-        let layers = self.images(&rows, &films, &mut tally.non_finite);
+        films::keep_finite(&mut layers, &mut tally.non_finite);
         let t = &mut tally;
         t.rays = status::rays(&words);
         t.shadow_rays_saved = status::shadow_rays_saved(&words);

@@ -7,6 +7,7 @@ use super::{DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
 use crate::glints::{Glints, Look};
 use crate::layout::{EDGE_OTHERS, MapInfo, PILOT_PASS, PassInfo, status};
+use crate::memory;
 use crate::plan::buffers::fit;
 use crate::plan::shape::{Kind, Strip, dispatches_kept, roomy};
 
@@ -34,7 +35,7 @@ impl GpuBackend {
             self.choose_caustic_radii(all)?;
             self.find_edges(all)?;
             if self.strips.count() > 1 {
-                self.keep_strip()?;
+                self.keep_strip(strip)?;
             }
         }
         if !looks.is_empty() {
@@ -49,6 +50,10 @@ impl GpuBackend {
     fn cut_image(&mut self) -> Result<()> {
         let machine = self.context.machine();
         self.strips = fit(&self.scene, &mut self.plan, &mut self.shapes, machine)?;
+        if machine.is_software {
+            // its memory is the host's
+            self.needs().check_free(memory::available())?;
+        }
         self.bind()
     }
 

@@ -42,6 +42,7 @@ impl Kernels {
             ("HAS_DIELECTRIC", flag(f.dielectric)),
             ("HAS_GLOSSY", flag(f.glossy)),
             ("HAS_DELTA_LIGHTS", flag(f.delta_lights)),
+            ("HAS_CONTACTS", flag(f.contacts)),
             ("HAS_PATH_FILTER", flag(f.path_filter)),
             (
                 "CAMERA_STEPS",
@@ -198,16 +199,13 @@ impl Steps {
         })
     }
 
-    /// Record what starts at the camera: gather points, emission, direct light.
-    pub(super) fn record_camera(
-        &self,
-        recorder: &mut Recorder<'_>,
-        pass_info: u32,
-        tiles: u32,
-        glints: impl Iterator<Item = PassInfo>,
-    ) {
-        let at = [("pass_info", pass_info)];
-        recorder.dispatch_tiles(&self.eye, &at, tiles);
+    /// Record the gather points, and the emission that is met on the way to them.
+    pub(super) fn record_eye(&self, recorder: &mut Recorder<'_>, pass_info: u32, tiles: u32) {
+        recorder.dispatch_tiles(&self.eye, &[("pass_info", pass_info)], tiles);
+    }
+
+    /// Record the trees that look for emission.
+    pub(super) fn record_glints(&self, recorder: &mut Recorder<'_>, glints: impl Iterator<Item = PassInfo>) {
         if let Some(Glint { trees, sum, .. }) = &self.glint {
             for info in glints {
                 let at = [("pass_info", recorder.ring.push(&info))];
@@ -215,8 +213,12 @@ impl Steps {
                 recorder.dispatch(sum, &at, info.glint_count);
             }
         }
+    }
+
+    /// Record direct light at the gather points.
+    pub(super) fn record_direct(&self, recorder: &mut Recorder<'_>, pass_info: u32, tiles: u32) {
         if let Some(direct) = &self.direct {
-            recorder.dispatch_tiles(direct, &at, tiles);
+            recorder.dispatch_tiles(direct, &[("pass_info", pass_info)], tiles);
         }
     }
 

@@ -48,7 +48,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
             "targets" | "path_filter" | "warps_caustic" | "warps_diffuse" | "marks" | "tiles" | "ring" => {
                 UNIFORM
             }
-            "shading_normals" | "glints" => STORAGE,
+            "shading_normals" => STORAGE,
             _ if small => UNIFORM | STORAGE,
             _ => STORAGE,
         };

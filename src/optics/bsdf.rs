@@ -5,7 +5,7 @@
 
 use super::ray::Surface;
 use super::sampling::{cosine_hemisphere, phong_lobe, to_world};
-use crate::bands::{Bands, add, max, scale};
+use crate::bands::{BLACK, Bands, add, max, scale};
 use crate::pack::PackedMaterial;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
@@ -20,6 +20,11 @@ pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     0.5 * (parallel * parallel + perpendicular * perpendicular)
+}
+
+/// Reflectance of a thin pane whose faces reflect `face` each: what goes to and fro between them adds up as flux [E26].
+pub fn pane_reflectance(face: f32) -> f32 {
+    2.0 * face / (1.0 + face)
 }
 
 /// Direction of refraction; `n` on the side that `d` comes from. None at total reflection.
@@ -40,10 +45,18 @@ pub fn reflectance_d(m: &PackedMaterial) -> Bands {
     add(&m.diffuse, &m.glossy)
 }
 
-/// cosᵉα of the glossy lobe.
-fn lobe(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-    let cos_alpha = mirror(wi, n).dot(wo);
-    if cos_alpha <= 0.0 { 0.0 } else { cos_alpha.powf(m.glossy_exponent) }
+/// cosᵉα of a Phong lobe, from 1 − cosα: near one a cosine has no digits for a large exponent.
+fn lobe(exponent: f32, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+    let below = 0.5 * (mirror(wi, n) - wo).length_squared();
+    if below >= 1.0 { 0.0 } else { (exponent * (-below).ln_1p()).exp() }
+}
+
+/// f_r of a lobe that is followed, 1/sr, for lights without area: following it never meets them [E6].
+pub fn eval_narrow(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+    if !m.has_narrow_lobe() {
+        return BLACK;
+    }
+    scale(&m.specular, (m.specular_exponent + 2.0) / TAU * lobe(m.specular_exponent, wi, wo, n))
 }
 
 /// f_r of the D lobes, 1/sr.
@@ -52,7 +65,7 @@ pub fn eval_d(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
     if !m.flags().has_glossy() {
         return matte;
     }
-    add(&matte, &scale(&m.glossy, (m.glossy_exponent + 2.0) / TAU * lobe(m, wi, wo, n)))
+    add(&matte, &scale(&m.glossy, (m.glossy_exponent + 2.0) / TAU * lobe(m.glossy_exponent, wi, wo, n)))
 }
 
 /// Probability of sampling the Lambert lobe.
@@ -68,7 +81,7 @@ pub fn pdf_d(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
     if matte == 1.0 {
         return pdf;
     }
-    pdf + (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * lobe(m, wi, wo, n)
+    pdf + (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * lobe(m.glossy_exponent, wi, wo, n)
 }
 
 /// A direction from the D lobes given the other, `wo`, both about `n`. None where it falls below the surface.
@@ -118,18 +131,22 @@ pub(crate) struct Boundary {
 
 impl Boundary {
     pub(crate) fn at(s: &Surface) -> Self {
+        let n = s.specular_normal();
+        let reflected = mirror(s.back, n);
+        let reflected = if reflected.dot(s.ng) > 0.0 { reflected } else { mirror(s.back, s.ng) };
+        if s.flags().is_thin() {
+            let fresnel = pane_reflectance(fresnel(s.back.dot(n), s.material.ior));
+            return Self { fresnel, reflected, refracted: -s.back, eta_i_over_t: 1.0 };
+        }
         let eta_i_over_t = if s.front { 1.0 / s.material.ior } else { s.material.ior };
         let along = -s.back;
         let about = |n: Vec3| {
             let crossing = refract(along, n, eta_i_over_t).filter(|w| w.dot(s.ng) < 0.0);
             crossing.map(|w| (fresnel(s.back.dot(n), 1.0 / eta_i_over_t), w))
         };
-        let n = s.specular_normal();
         let total = fresnel(s.back.dot(n), 1.0 / eta_i_over_t) >= 1.0;
         let (fresnel, refracted) =
             if total { None } else { about(n).or_else(|| about(s.ng)) }.unwrap_or((1.0, along));
-        let reflected = mirror(s.back, n);
-        let reflected = if reflected.dot(s.ng) > 0.0 { reflected } else { mirror(s.back, s.ng) };
         Self { fresnel, reflected, refracted, eta_i_over_t }
     }
 }
@@ -154,6 +171,16 @@ mod tests {
         assert_eq!(fresnel(critical - 1e-3, 1.0 / 1.5), 1.0);
         assert!(fresnel(critical + 1e-2, 1.0 / 1.5) < 0.9);
         assert_eq!(fresnel(0.0, 1.5), 1.0);
+    }
+
+    /// A pane reflects what the sum over all ways between its faces says: R + (1−R)² R Σ R^2k.
+    #[test]
+    fn panes_add_up_their_faces() {
+        for i in 0..=10 {
+            let r = i as f32 / 10.0;
+            let sum = r + (1.0 - r) * (1.0 - r) * r * (0..2000).map(|k| r.powi(2 * k)).sum::<f32>();
+            assert!((pane_reflectance(r) - if i == 10 { 1.0 } else { sum }).abs() < 1e-5, "{r}");
+        }
     }
 
     #[test]
@@ -188,7 +215,7 @@ mod tests {
             if let Some(wi) = sample_d(&m, wo, n, c, [a, b]) {
                 by_lobe += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z / pdf_d(&m, wi, wo, n));
             }
-            let wi = super::super::sampling::cone([a, b], 0.0);
+            let wi = super::super::sampling::cone([a, b], 1.0);
             by_cone += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z * TAU);
             total_pdf += f64::from(pdf_d(&m, wi, wo, n) * TAU);
             assert!((eval_d(&m, wi, wo, n)[0] - eval_d(&m, wo, wi, n)[0]).abs() < 1e-4);

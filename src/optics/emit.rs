@@ -4,8 +4,9 @@
 //! directions are drawn into the cones of the targets' spheres and weighed by the pdf of the mixture,
 //! pdf_solid_angle = (cones that hold the direction) / ΣΩ [E13]. A guide may steer both, by what was learned [E20].
 
+use super::cone::{Beam, ConeRay, between, choose, into_targets};
 use super::ray::lift;
-use super::sampling::{cone, cosine_hemisphere, disc, sphere, to_world, triangle};
+use super::sampling::{cosine_hemisphere, disc, to_world, triangle};
 use crate::bands::{BLACK, Bands, scale};
 use crate::pack::{EmitterKind, Guide, PackedEmitter, PackedScene, PackedTriangle, Target};
 use glam::Vec3;
@@ -46,14 +47,20 @@ pub(crate) fn place_on(e: &PackedEmitter, u: [f32; 2]) -> (Vec3, Vec3) {
     (lift(e.origin + e.e1 * b + e.e2 * c, normal, &shape), normal)
 }
 
-/// Falloff of a spot: 1 inside the inner cone, cubic smoothstep of the cosine to 0 at the outer [E12].
-pub(crate) fn falloff(e: &PackedEmitter, direction: Vec3) -> f32 {
+/// The way from a point or a spot to a place.
+pub(crate) fn from_light(e: &PackedEmitter, place: Vec3) -> Vec3 {
+    // first what is near, then the way to the light
+    (place - e.origin) + e.e1 * e.e2.z
+}
+
+/// Falloff of a spot along `way`: 1 inside the inner cone, cubic smoothstep of the cosine to 0 at the outer [E12].
+pub(crate) fn falloff(e: &PackedEmitter, way: Vec3) -> f32 {
     let (inner, outer) = (e.e2.x, e.e2.y);
-    let cos = direction.dot(e.e1);
-    if cos >= inner {
+    let at = between(way, e.e1);
+    if at <= inner {
         return 1.0;
     }
-    let x = ((cos - outer) / (inner - outer)).clamp(0.0, 1.0);
+    let x = ((outer - at) / (outer - inner)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
 
@@ -78,17 +85,9 @@ pub(crate) fn law_of(e: &PackedEmitter, place: [f32; 2], towards: [f32; 2], shar
             let direction = to_world(cosine_hemisphere(towards), normal);
             Start { origin, direction, flux: scale(&e.flux, share) }
         }
-        EmitterKind::Point => {
-            Start { origin: e.origin, direction: sphere(towards), flux: scale(&e.flux, share) }
-        }
-        EmitterKind::Spot => {
-            let direction = to_world(cone(towards, e.e2.y), e.e1);
-            let solid_angle = TAU * (1.0 - e.e2.y);
-            Start {
-                origin: e.origin,
-                direction,
-                flux: scale(&e.strength, falloff(e, direction) * solid_angle * share),
-            }
+        EmitterKind::Point | EmitterKind::Spot => {
+            let beam = Beam::of(e);
+            start_in_cone(e, &beam, beam.own(e.area / TAU, towards), e.area * share)
         }
         EmitterKind::Sun => {
             // one direction, from any place: it is the place that can be steered
@@ -121,65 +120,41 @@ pub(crate) fn aimed_of(
     towards: [f32; 2],
     share: f32,
 ) -> Option<Start> {
-    let start = |origin: Vec3, radiant: &dyn Fn(Vec3) -> Bands| {
-        if scene.targets.iter().any(|t| (origin - t.center).length_squared() <= t.radius * t.radius) {
-            return Some(law_of(e, place, towards, share));
-        }
-        let (direction, pdf_solid_angle) = into_cones(&scene.targets, origin, towards)?;
-        let flux = scale(&radiant(direction), share / pdf_solid_angle);
-        (flux != BLACK).then_some(Start { origin, direction, flux })
-    };
     if scene.targets.is_empty() {
         return Some(law_of(e, place, towards, share));
     }
-    match kind(e) {
-        EmitterKind::Triangle => {
-            let (origin, normal) = place_on(e, place);
-            start(origin, &|w| scale(&e.strength, w.dot(normal).max(0.0) * e.area))
-        }
-        EmitterKind::Point => start(e.origin, &|_| e.strength),
-        EmitterKind::Spot => start(e.origin, &|w| scale(&e.strength, falloff(e, w))),
-        EmitterKind::Sun => {
-            let (origin, pdf_area) = onto_discs(&scene.targets, e, towards)?;
-            Some(Start { origin, direction: e.e1, flux: scale(&e.strength, share / pdf_area) })
-        }
+    if kind(e) == EmitterKind::Sun {
+        let (origin, pdf_area) = onto_discs(&scene.targets, e, towards)?;
+        return Some(Start { origin, direction: e.e1, flux: scale(&e.strength, share / pdf_area) });
     }
-}
-
-/// Pick among `targets` by `weight`: the index and what is left of `u`.
-fn choose(targets: &[Target], u: f32, weight: impl Fn(&Target) -> f32) -> (usize, f32, f32) {
-    let total: f32 = targets.iter().map(&weight).sum();
-    let mut left = u * total;
-    for (i, t) in targets.iter().enumerate() {
-        let w = weight(t);
-        if left < w || i + 1 == targets.len() {
-            return (i, (left / w).clamp(0.0, 1.0 - f32::EPSILON), total);
-        }
-        left -= w;
+    let is_triangle = kind(e) == EmitterKind::Triangle;
+    let beam = if is_triangle {
+        let (origin, normal) = place_on(e, place);
+        Beam { through: origin, axis: normal, distance: 0.0 }
+    } else {
+        Beam::of(e)
+    };
+    // where its own cone is narrower than those of the targets, a light's own law serves better
+    let is_narrow = !is_triangle && e.area <= beam.solid_angle_of(&scene.targets);
+    if is_narrow || scene.targets.iter().any(|t| beam.is_inside(t)) {
+        return Some(law_of(e, place, towards, share));
     }
-    unreachable!("targets are not empty")
+    let (ray, pdf_solid_angle) = into_targets(&scene.targets, &beam, towards)?;
+    let weight = share / pdf_solid_angle;
+    let start = if is_triangle {
+        let sent = ray.direction.dot(beam.axis).max(0.0) * e.area;
+        Start { origin: beam.through, direction: ray.direction, flux: scale(&e.strength, sent * weight) }
+    } else {
+        start_in_cone(e, &beam, ray, weight)
+    };
+    (start.flux != BLACK).then_some(start)
 }
 
-/// 1 − cosine of the half angle of the cone from `origin` around a target.
-fn narrowness(t: &Target, origin: Vec3) -> f32 {
-    let sin2 = t.radius * t.radius / (t.center - origin).length_squared();
-    let cos = (1.0 - sin2).max(0.0).sqrt();
-    // 1 − cos = sin²/(1 + cos) keeps its digits for far targets
-    sin2.min(1.0) / (1.0 + cos)
-}
-
-/// A direction from `origin` into the cones of the targets and its pdf_solid_angle.
-pub(crate) fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
-    let (chosen, rest, total) = choose(targets, u[0], |t| narrowness(t, origin));
-    let t = &targets[chosen];
-    let axis = (t.center - origin).normalize();
-    let direction = to_world(cone([rest, u[1]], 1.0 - narrowness(t, origin)), axis);
-    let holding = targets.iter().enumerate().filter(|(i, t)| {
-        // the cone that was chosen holds its own direction, whatever rounding says
-        *i == chosen || (t.center - origin).normalize().dot(direction) >= 1.0 - narrowness(t, origin)
-    });
-    let pdf = holding.count() as f32 / (TAU * total);
-    (pdf.is_finite() && direction.is_finite()).then_some((direction, pdf))
+/// A start of a point or a spot along a ray; `weight` in sr.
+fn start_in_cone(e: &PackedEmitter, beam: &Beam, ray: ConeRay, weight: f32) -> Start {
+    let way = if beam.distance > 0.0 { from_light(e, ray.foot) } else { ray.direction };
+    let shape = if kind(e) == EmitterKind::Spot { falloff(e, way) } else { 1.0 };
+    Start { origin: beam.start(&ray), direction: ray.direction, flux: scale(&e.strength, shape * weight) }
 }
 
 /// A start on the sun's disc from which the beam runs into the targets, and its pdf_area across the beam.
@@ -195,32 +170,4 @@ fn onto_discs(targets: &[Target], sun: &PackedEmitter, u: [f32; 2]) -> Option<(V
         .filter(|(i, t)| *i == chosen || (flat(t.center) - origin).length() <= t.radius);
     let pdf = holding.count() as f32 / (PI * total);
     pdf.is_finite().then_some((origin, pdf))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::rng::sobol2;
-
-    /// Overlapping cones: the mean of 1/pdf over the draws is the solid angle of their union, which a uniform sphere
-    /// of directions measures too.
-    #[test]
-    fn cones_cover_their_union_once() {
-        let targets = [
-            Target { center: Vec3::new(0.0, 0.0, 5.0), radius: 2.0 },
-            Target { center: Vec3::new(1.0, 0.0, 6.0), radius: 2.0 },
-            Target { center: Vec3::new(-9.0, 2.0, 0.0), radius: 1.0 },
-        ];
-        let n = 1 << 16;
-        let (mut by_cones, mut by_sphere) = (0.0f64, 0.0f64);
-        for i in 0..n {
-            let u = sobol2(i, 11);
-            let (_, pdf) = into_cones(&targets, Vec3::ZERO, u).expect("outside all targets");
-            by_cones += 1.0 / f64::from(pdf);
-            let w = sphere(u);
-            let inside = |t: &Target| w.dot(t.center.normalize()) >= 1.0 - narrowness(t, Vec3::ZERO);
-            by_sphere += if targets.iter().any(inside) { f64::from(2.0 * TAU) } else { 0.0 };
-        }
-        assert!((by_cones / by_sphere - 1.0).abs() < 0.01, "{}", by_cones / by_sphere);
-    }
 }

@@ -1,6 +1,6 @@
 //! Light: places on emitters, as shadow rays find them.
 
-use super::emit::{falloff, kind, pick, place_on};
+use super::emit::{falloff, from_light, kind, pick, place_on};
 use super::ray::Surface;
 use crate::bands::{Bands, scale};
 use crate::pack::{EmitterKind, NO_EMITTER, PackedEmitter};
@@ -54,10 +54,17 @@ pub(crate) fn sample_emitter(e: &PackedEmitter, position: Vec3, u: [f32; 2]) -> 
             })
         }
         EmitterKind::Point | EmitterKind::Spot => {
-            let (wi, distance_squared) = towards(e.origin)?;
-            let shape = if kind(e) == EmitterKind::Spot { falloff(e, -wi) } else { 1.0 };
+            let way = from_light(e, position);
+            let distance_squared = way.length_squared();
+            let shape = if kind(e) == EmitterKind::Spot { falloff(e, way) } else { 1.0 };
             let irradiance = scale(&e.strength, shape / distance_squared);
-            (shape > 0.0).then_some(LightSample { wi, target: e.origin, irradiance, pdf: 0.0 })
+            let wi = -way / distance_squared.sqrt();
+            (shape > 0.0 && distance_squared > 0.0).then_some(LightSample {
+                wi,
+                target: e.position(),
+                irradiance,
+                pdf: 0.0,
+            })
         }
         EmitterKind::Sun => Some(LightSample {
             wi: -e.e1,

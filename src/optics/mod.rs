@@ -2,6 +2,7 @@
 //! other's mistakes. The CPU backend renders with it, the plan learns with it.
 
 pub mod bsdf;
+pub(crate) mod cone;
 pub(crate) mod emit;
 pub(crate) mod light;
 pub(crate) mod odds;

@@ -50,9 +50,9 @@ pub fn triangle(u: [f32; 2]) -> [f32; 2] {
     [1.0 - s, u[1] * s]
 }
 
-/// Direction uniform in the cone cosθ ≥ cos_max: pdf_solid_angle = 1/(2π (1 − cos_max)).
-pub fn cone(u: [f32; 2], cos_max: f32) -> Vec3 {
-    let below = u[0] * (1.0 - cos_max);
+/// Direction uniform in the cone 1 − cosθ ≤ size: pdf_solid_angle = 1/(2π size).
+pub fn cone(u: [f32; 2], size: f32) -> Vec3 {
+    let below = u[0] * size;
     // 1 − z² = (1 − z)(1 + z) keeps its digits in narrow cones
     around_z(1.0 - below, (below * (2.0 - below)).max(0.0).sqrt(), u[1])
 }
@@ -72,8 +72,9 @@ pub fn disc(u: [f32; 2]) -> [f32; 2] {
 
 /// Direction about the mirror direction: pdf_solid_angle = (e + 1)/2π cosᵉα.
 pub fn phong_lobe(u: [f32; 2], exponent: f32) -> Vec3 {
-    let z = u[0].powf(1.0 / (exponent + 1.0));
-    around_z(z, (1.0 - z * z).max(0.0).sqrt(), u[1])
+    // 1 − z without the loss of digits of a large exponent
+    let below = -(u[0].ln() / (exponent + 1.0)).exp_m1();
+    around_z(1.0 - below, (below * (2.0 - below)).max(0.0).sqrt(), u[1])
 }
 
 #[cfg(test)]
@@ -133,7 +134,7 @@ mod tests {
         let laws: [Law; 4] = [
             ("cosine", &cosine_hemisphere, 2.0 / 3.0, 0.5),
             ("sphere", &sphere, 0.0, 1.0 / 3.0),
-            ("cone", &|u| cone(u, c as f32), (1.0 + c) / 2.0, (1.0 + c + c * c) / 3.0),
+            ("cone", &|u| cone(u, (1.0 - c) as f32), (1.0 + c) / 2.0, (1.0 + c + c * c) / 3.0),
             ("phong", &|u| phong_lobe(u, e as f32), (e + 1.0) / (e + 2.0), (e + 1.0) / (e + 3.0)),
         ];
         for (name, law, z1, z2) in laws {

@@ -9,6 +9,11 @@ use crate::bands::BANDS;
 use crate::error::{Error, Result};
 use crate::film::{Image, Layer, Picture};
 use crate::{input, memory};
+use exr::block::lines::LineRefMut;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::math::RoundingMode;
+use exr::meta::attribute::LevelMode;
+use exr::meta::header::Header;
 use exr::prelude as e;
 use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
 use std::fs::File;
@@ -41,26 +46,55 @@ pub fn write_image(path: &Path, image: &Image, comment: &str) -> Result<()> {
     write(path, image, channels_of("", image), comment)
 }
 
-fn channels_of(prefix: &str, image: &Image) -> Vec<e::AnyChannel<e::FlatSamples>> {
-    let channel = |(b, name): (usize, &&str)| {
-        let samples = image.pixels.iter().map(|pixel| pixel[b]).collect();
-        e::AnyChannel {
-            name: format!("{prefix}{name}").as_str().into(),
-            sample_data: e::FlatSamples::F32(samples),
-            // A hint for lossy codecs; the default is guessed from the name and would differ between layers.
-            quantize_linearly: false,
-            sampling: e::Vec2(1, 1),
-        }
+/// A band of an image, written from where it is.
+struct Band<'a> {
+    image: &'a Image,
+    band: usize,
+}
+
+impl<'a> WritableSamples<'a> for Band<'_> {
+    type Writer = BandWriter<'a>;
+
+    fn sample_type(&self) -> e::SampleType {
+        e::SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&'a self, _: &Header) -> Self::Writer {
+        BandWriter { image: self.image, band: self.band }
+    }
+}
+
+/// Writes the lines of a band.
+struct BandWriter<'a> {
+    image: &'a Image,
+    band: usize,
+}
+
+impl SamplesWriter for BandWriter<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let at = line.location.position;
+        let first = at.y() * self.image.width as usize + at.x();
+        let written = line.write_samples(|x| self.image.pixels[first + x][self.band]);
+        written.expect("a line is as long as its bytes");
+    }
+}
+
+fn channels_of<'a>(prefix: &str, image: &'a Image) -> Vec<e::AnyChannel<Band<'a>>> {
+    let channel = |(band, name): (usize, &&str)| e::AnyChannel {
+        name: format!("{prefix}{name}").as_str().into(),
+        sample_data: Band { image, band },
+        // A hint for lossy codecs; the default is guessed from the name and would differ between layers.
+        quantize_linearly: false,
+        sampling: e::Vec2(1, 1),
     };
     CHANNELS.iter().enumerate().map(channel).collect()
 }
 
-fn write(
-    path: &Path,
-    size: &Image,
-    channels: Vec<e::AnyChannel<e::FlatSamples>>,
-    comment: &str,
-) -> Result<()> {
+fn write(path: &Path, size: &Image, channels: Vec<e::AnyChannel<Band<'_>>>, comment: &str) -> Result<()> {
     if size.pixels.is_empty() {
         return Err(Error::io(path, "write", "the image has no pixels"));
     }

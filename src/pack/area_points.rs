@@ -3,6 +3,7 @@
 
 use super::{EmitterKind, PackedScene, PackedTriangle};
 use crate::rng;
+use crate::rng::purpose::{DIMENSION_AREA, DIMENSION_BURIED, DIMENSION_TRUST};
 use glam::Vec3;
 use std::f32::consts::TAU;
 
@@ -57,7 +58,7 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
     if each <= 0.0 {
         return (points, 0.0);
     }
-    let mut next = f64::from(rng::random4(seed, 0, u32::MAX, 0)[0]) * each;
+    let mut next = f64::from(rng::random4(seed, 0, u32::MAX, DIMENSION_AREA)[0]) * each;
     let mut before = 0.0;
     for (index, t) in scene.triangles.iter().enumerate() {
         if !scene.materials[t.material as usize].flags().has_diffuse() {
@@ -66,7 +67,7 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
         let end = before + f64::from(t.area());
         if next < end {
             let normal = t.normal();
-            let shift = rng::random4(seed, 0, index as u32, 1);
+            let shift = rng::random4(seed, 0, index as u32, DIMENSION_AREA + 1);
             let mut i = 0.0;
             while next < end {
                 let x = (f64::from(shift[0]) + i * R2[0]).fract() as f32;
@@ -100,8 +101,8 @@ const LIFT: f32 = 0.02;
 fn has_closed_solids(scene: &PackedScene) -> bool {
     let backs = (0..TRUST_RAYS)
         .filter(|&i| {
-            let u = rng::random4(TRUST_RAYS, 1, i, 0);
-            let v = rng::random4(TRUST_RAYS, 1, i, 1);
+            let u = rng::random4(0, 0, i, DIMENSION_TRUST);
+            let v = rng::random4(0, 0, i, DIMENSION_TRUST + 1);
             let picked = scene.emitters.iter().find(|e| u[0] < e.cumulative).or(scene.emitters.last());
             let Some(e) = picked else { return false };
             let (origin, direction) = if e.kind == EmitterKind::Triangle as u32 {
@@ -115,7 +116,7 @@ fn has_closed_solids(scene: &PackedScene) -> bool {
             } else {
                 let z = 1.0 - 2.0 * v[0];
                 let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * v[1]);
-                (e.origin, Vec3::new(r * phi.cos(), r * phi.sin(), z))
+                (e.position(), Vec3::new(r * phi.cos(), r * phi.sin(), z))
             };
             meets_back(scene, origin, direction)
         })
@@ -127,7 +128,7 @@ fn has_closed_solids(scene: &PackedScene) -> bool {
 /// and a disc beside the box must not count it.
 fn is_buried(scene: &PackedScene, position: Vec3, normal: Vec3, number: u32) -> bool {
     (0..BURIED_RAYS).all(|i| {
-        let u = rng::random4(BURIED_RAYS, 2, number, i);
+        let u = rng::random4(0, 0, number, DIMENSION_BURIED + i);
         meets_back(scene, position + normal * LIFT, cosine_direction(normal, u[0], u[1]))
     })
 }

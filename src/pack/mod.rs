@@ -6,6 +6,10 @@
 //! world flux = internal flux × `world_scale`².
 
 mod area_points;
+mod bodies;
+mod camera;
+mod contacts;
+mod doubts;
 mod emitters;
 mod guide;
 mod marks;
@@ -14,11 +18,15 @@ mod surfaces;
 mod targets;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
-pub use emitters::{EmitterKind, PackedEmitter};
+pub use camera::{CameraRay, PackedCamera};
+pub use doubts::doubts;
+pub use emitters::{EmitterKind, FAR, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use marks::{MARK_FACTORS, MARK_WORDS, Marks};
-pub(crate) use surfaces::without_copies;
-pub use surfaces::{MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner};
+pub use surfaces::{
+    CLEAR, LAMP, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner,
+};
+pub(crate) use surfaces::{rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
 
 use crate::bvh::Bvh;
@@ -49,7 +57,7 @@ fn check_left(triangles: u64, left: Option<u64>) -> Result<()> {
     }
 }
 
-/// Exponent of the internal radius: scenes are scaled to a bounding radius in [2^9, 2^10).
+/// Exponent of the internal radius: scenes are scaled to a bounding radius in [2^9, 2^10), below [`SCENE_RADIUS`].
 const RADIUS_EXPONENT: i32 = 9;
 
 /// A scene as plain arrays, in internal units.
@@ -81,6 +89,8 @@ pub struct PackedScene {
     pub bounds: [Vec3; 2],
     /// Area of all surfaces that have a diffuse or glossy lobe (one side).
     pub diffuse_area: f64,
+    /// Some faces may lie in one place: which of them a ray meets is to be asked [E27].
+    pub has_contacts: bool,
     /// What the scene has beside this.
     pub out_of_reach: OutOfReach,
 }
@@ -98,27 +108,6 @@ impl OutOfReach {
     /// True where nothing is left out.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
-    }
-}
-
-/// A pinhole: the ray through image coordinates (x, y) in [0, 1]², (0, 0) the top left, runs along
-/// `forward + (2x − 1) right + (1 − 2y) up`.
-#[derive(Debug, Clone, Copy)]
-pub struct PackedCamera {
-    /// Eye point.
-    pub eye: Vec3,
-    /// Right, scaled by the tangent of half the field of view across.
-    pub right: Vec3,
-    /// Up, scaled likewise.
-    pub up: Vec3,
-    /// Unit view direction.
-    pub forward: Vec3,
-}
-
-impl PackedCamera {
-    /// Unit direction through image coordinates (x, y).
-    pub fn direction(&self, [x, y]: [f32; 2]) -> Vec3 {
-        (self.forward + self.right * (2.0 * x - 1.0) + self.up * (1.0 - 2.0 * y)).normalize()
     }
 }
 
@@ -145,7 +134,8 @@ impl PackedScene {
         let world_center = 0.5 * (lo + hi);
         let radius = (0.5 * (hi - lo).length()).max(f64::MIN_POSITIVE);
         let world_scale = 2f64.powi(radius.log2().floor() as i32 - RADIUS_EXPONENT);
-        let to_internal = |p: DVec3| ((p - world_center) / world_scale).as_vec3();
+        let internal = |p: DVec3| (p - world_center) / world_scale;
+        let to_internal = |p: DVec3| internal(p).as_vec3();
 
         let vertices: Vec<[Vec3; 3]> = scene
             .mesh
@@ -160,7 +150,7 @@ impl PackedScene {
         let materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &order);
         let internal_bounds = [to_internal(lo), to_internal(hi)];
-        let emitters = emitters::pack(scene, &mut triangles, world_scale, to_internal, internal_bounds);
+        let emitters = emitters::pack(scene, &mut triangles, world_scale, internal, internal_bounds);
         let total_flux = std::array::from_fn(|b| emitters.iter().map(|e| f64::from(e.flux[b])).sum::<f64>());
         let diffuse_area = triangles
             .iter()
@@ -168,17 +158,11 @@ impl PackedScene {
             .map(|t| f64::from(t.area()))
             .sum();
         let targets = targets::find(&triangles, &materials);
-        let [right, up, forward] = scene.camera.basis();
-        let [tx, ty] = scene.camera.tan_half_fov;
+        let has_contacts = contacts::any(&bvh, &triangles);
         let packed = Self {
             world_scale,
             world_center,
-            camera: PackedCamera {
-                eye: to_internal(scene.camera.position),
-                right: (right * tx).as_vec3(),
-                up: (up * ty).as_vec3(),
-                forward: forward.as_vec3(),
-            },
+            camera: PackedCamera::new(&scene.camera, internal(scene.camera.position)),
             size: scene.size,
             bvh,
             triangles,
@@ -189,6 +173,7 @@ impl PackedScene {
             targets,
             bounds: internal_bounds,
             diffuse_area,
+            has_contacts,
             out_of_reach: OutOfReach::default(),
         };
         (packed, order)

@@ -1,17 +1,31 @@
 //! Triangles and materials as plain arrays.
 
-use crate::bands::{BLACK, Bands, add, is_black};
-use crate::bvh::Edges;
+use crate::bands::{BLACK, Bands, is_black};
+use crate::bvh::Face;
 use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 /// [`PackedTriangle::emitter`] of a triangle that emits nothing.
 pub const NO_EMITTER: u32 = u32::MAX;
 
 /// Bit of [`PackedTriangle::flags`]: the triangle has shading normals.
 pub const SMOOTH: u32 = 1;
+/// Bit of [`PackedTriangle::flags`]: light passes through.
+pub const CLEAR: u32 = 2;
+/// Bit of [`PackedTriangle::flags`]: the front emits.
+pub const LAMP: u32 = 4;
+
+/// Ranks of faces in one place ([`Face::rank`]): opaque before clear, since glass that touches an opaque face is in optical
+/// contact with it; of opaque faces those that look toward the ray, lamps first; of clear ones the way out before the way in.
+pub(crate) mod rank {
+    pub(crate) const CLEAR_FRONT: u32 = 0;
+    pub(crate) const CLEAR_BACK: u32 = 1;
+    pub(crate) const BACK: u32 = 2;
+    pub(crate) const FRONT: u32 = 3;
+    pub(crate) const LAMP: u32 = 4;
+}
 
 gpu_struct! {
     /// A triangle, 48 bytes; front where the vertices run counter-clockwise.
@@ -22,7 +36,7 @@ gpu_struct! {
         pub material: u32,
         /// Second vertex minus first.
         pub e1: Vec3,
-        /// [`SMOOTH`] or 0.
+        /// Bits: [`SMOOTH`], [`CLEAR`], [`LAMP`].
         pub flags: u32,
         /// Third vertex minus first.
         pub e2: Vec3,
@@ -48,15 +62,27 @@ impl PackedTriangle {
     }
 }
 
-impl Edges for PackedTriangle {
+impl Face for PackedTriangle {
     #[inline(always)]
     fn edges(&self) -> [Vec3; 3] {
         [self.v0, self.e1, self.e2]
     }
+
+    // twin: shaders/shared/crossing.wgsl
+    fn rank(&self, is_front: bool) -> u32 {
+        match (self.flags & CLEAR != 0, is_front) {
+            (true, true) => rank::CLEAR_FRONT,
+            (true, false) => rank::CLEAR_BACK,
+            (false, false) => rank::BACK,
+            (false, true) if self.flags & LAMP == 0 => rank::FRONT,
+            (false, true) => rank::LAMP,
+        }
+    }
 }
 
-/// Glossy lobes sharper than this Phong exponent are S events: sampled like mirrors, never looked up in a map.
-const SHARP_EXPONENT: f32 = 300.0;
+/// Glossy lobes sharper than this Phong exponent are followed as mirrors are, never looked up in a map: none is dense enough.
+/// Lights without area are never met so; shadow rays find them in such a lobe as in every other [E6].
+const FOLLOWED_EXPONENT: f32 = 300.0;
 
 /// What a material can do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +94,7 @@ impl MaterialFlags {
     pub(crate) const SPECULAR: u32 = 4;
     pub(crate) const DIELECTRIC: u32 = 8;
     pub(crate) const EMISSIVE: u32 = 16;
+    pub(crate) const THIN: u32 = 32;
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
     pub fn has_diffuse(self) -> bool {
@@ -84,6 +111,10 @@ impl MaterialFlags {
     /// Light can pass through.
     pub fn is_dielectric(self) -> bool {
         self.0 & Self::DIELECTRIC != 0
+    }
+    /// A dielectric with both of its faces in one place: what passes is not bent [E26].
+    pub fn is_thin(self) -> bool {
+        self.0 & Self::THIN != 0
     }
     /// The front emits.
     pub fn is_emissive(self) -> bool {
@@ -108,7 +139,7 @@ gpu_struct! {
         pub glossy_exponent: f32,
         /// Transmission tint of a dielectric; black where opaque.
         pub transmission: Bands,
-        /// Phong exponent about the mirror direction of what `specular` reflects; 0 is a perfect mirror.
+        /// Phong exponent about the mirror direction of what `specular` reflects, a lobe that is followed; 0 is a mirror.
         pub specular_exponent: f32,
         /// Radiance emitted from the front, W/(m² sr).
         pub emission: Bands,
@@ -123,10 +154,11 @@ impl PackedMaterial {
         let mut bits = 0;
         let mut set = |on: bool, bit: u32| bits |= if on { bit } else { 0 };
         set(m.dielectric.is_some(), MaterialFlags::DIELECTRIC);
+        set(m.dielectric.is_some() && m.thin, MaterialFlags::THIN);
         let opaque = m.dielectric.is_none();
-        let sharp = m.glossy_exponent > SHARP_EXPONENT;
-        let (glossy, specular) =
-            if sharp { (BLACK, add(&m.specular, &m.glossy)) } else { (m.glossy, m.specular) };
+        // beside a mirror there is no room for a second lobe that is followed
+        let followed = m.glossy_exponent > FOLLOWED_EXPONENT && is_black(&m.specular);
+        let (glossy, specular) = if followed { (BLACK, m.glossy) } else { (m.glossy, m.specular) };
         set(opaque && !is_black(&m.diffuse), MaterialFlags::DIFFUSE);
         set(opaque && !is_black(&glossy), MaterialFlags::GLOSSY);
         set(opaque && !is_black(&specular), MaterialFlags::SPECULAR);
@@ -140,10 +172,15 @@ impl PackedMaterial {
             glossy: if opaque { glossy } else { BLACK },
             glossy_exponent: m.glossy_exponent,
             transmission: d.map_or(BLACK, |d| d.transmission_tint),
-            specular_exponent: if sharp && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
+            specular_exponent: if followed && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
             pad1: 0,
         }
+    }
+
+    /// True for a lobe of finite width that is followed as a mirror is.
+    pub fn has_narrow_lobe(&self) -> bool {
+        self.specular_exponent > 0.0
     }
 
     /// What the material can do.
@@ -167,18 +204,35 @@ pub fn first_corner(vertices: [Vec3; 3]) -> usize {
     if SLIVER * product(best) < product(0) { best } else { 0 }
 }
 
-/// Indices of the triangles without exact copies: same corners in the same turn, same material, no shading normals. One
-/// of them is what a ray meets; the others would only shine once more and make the hierarchy deep.
+/// Indices of the triangles without copies: same corners in the same turn. One of them is what a ray meets; the others
+/// would only shine once more and make the hierarchy deep. What shines is kept before what does not, what is opaque before
+/// glass (flush with an opaque face, glass is in optical contact), and the first of the file before the others.
 pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
-    let mut seen = HashSet::with_capacity(vertices.len());
-    let is_new = |&i: &u32| {
-        let t = &scene.mesh.triangles[i as usize];
-        let corners = vertices[i as usize].map(|v| v.to_array().map(f32::to_bits));
-        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
-        let turned: [[u32; 3]; 3] = std::array::from_fn(|k| corners[(first + k) % 3]);
-        t.normal.is_some() || seen.insert((turned, t.material))
+    let mut kept: HashMap<[[u32; 3]; 3], u32> = HashMap::with_capacity(vertices.len());
+    let rank = |i: u32| {
+        let material = &scene.materials[scene.mesh.triangles[i as usize].material as usize];
+        (is_black(&material.emission), material.dielectric.is_some(), i)
     };
-    (0..vertices.len() as u32).filter(is_new).collect()
+    let key = |i: u32| -> [[u32; 3]; 3] {
+        // one zero for both
+        let corners = vertices[i as usize].map(|v| (v + Vec3::ZERO).to_array().map(f32::to_bits));
+        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        std::array::from_fn(|k| corners[(first + k) % 3])
+    };
+    for i in 0..vertices.len() as u32 {
+        let best = kept.entry(key(i)).or_insert(i);
+        if rank(i) < rank(*best) {
+            *best = i;
+        }
+    }
+    (0..vertices.len() as u32).filter(|&i| kept[&key(i)] == i).collect()
+}
+
+/// Bits of [`PackedTriangle::flags`].
+fn flags(is_smooth: bool, material: &Material) -> u32 {
+    let bit = |on: bool, bit: u32| if on { bit } else { 0 };
+    let is_clear = material.dielectric.is_some();
+    bit(is_smooth, SMOOTH) | bit(is_clear, CLEAR) | bit(!is_black(&material.emission), LAMP)
 }
 
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
@@ -200,7 +254,7 @@ pub(super) fn pack(
             v0: a,
             material: t.material,
             e1: b - a,
-            flags: if t.normal.is_some() { SMOOTH } else { 0 },
+            flags: flags(t.normal.is_some(), &scene.materials[t.material as usize]),
             e2: c - a,
             emitter: NO_EMITTER,
         };

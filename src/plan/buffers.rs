@@ -5,7 +5,7 @@ use super::Plan;
 use super::shape::{DIGIT_BITS, Kind, Machine, Shape, Shapes, Strips};
 use super::traffic::Traffic;
 use crate::error::{Error, Result};
-use crate::film::LAYERS;
+use crate::film::{LAYERS, Layer, host_bytes};
 use crate::glints::{Glints, TREES_MAX};
 use crate::layout::{
     AreaPoint, Clip, Fit, GatherPoint, Joton, Lane, LaneTally, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS,
@@ -29,8 +29,25 @@ pub struct Buffer {
 
 /// Films of the layers, in the order of [`crate::film::Layer::ALL`].
 pub const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
-/// What the pilot finds out of each pixel: where strips take turns, it is kept on the host.
-pub const KNOWN: [&str; 4] = ["gather_points", "radii", "edges", "clips"];
+/// What the pilot finds out of each pixel and passes need: where strips take turns, it is kept on the host.
+#[derive(Debug, Clone, Copy)]
+pub struct Known {
+    /// The buffer.
+    pub name: &'static str,
+    /// Words of a pixel, and how many of them, the first, say anything.
+    pub words: [usize; 2],
+}
+
+/// What is known of each pixel.
+pub fn known(plan: &Plan) -> impl Iterator<Item = Known> {
+    let [caustic, diffuse] = [Layer::Caustic, Layer::Diffuse].map(|layer| plan.traces(layer));
+    let radius = Known { name: "radii", words: [4, 1] };
+    let edges = Known { name: "edges", words: [1, 1] };
+    let clips = Known { name: "clips", words: [8, 8] };
+    let all = [(radius, caustic), (edges, diffuse), (clips, caustic || diffuse)];
+    all.into_iter().filter_map(|(known, is_read)| is_read.then_some(known))
+}
+
 /// Bytes of a pixel of a film: a vector of four, of which three are used.
 pub const FILM_PIXEL: u64 = 16;
 /// Bytes of a word.
@@ -104,10 +121,9 @@ impl<'a> Needs<'a> {
         };
         let counts = bytes(&|name| name == "status" || name.starts_with("tallies"));
         let film = |name: &str| FILMS.iter().position(|film| *film == name);
-        // strips keep all of them, the whole image needs what is traced
         let whole = self.strips.count() == 1;
-        let films = bytes(&|name| film(name).is_some_and(|layer| !whole || self.plan.layers[layer]));
-        let known = bytes(&|name| KNOWN.contains(&name));
+        let films = bytes(&|name| film(name).is_some_and(|layer| self.plan.layers[layer]));
+        let known = bytes(&|name| known(self.plan).any(|k| k.name == name));
         let together = if whole { counts + films } else { counts.max(films).max(known) };
         all.push(Buffer::new("staging", together, "what is read back at a time"));
         all
@@ -146,16 +162,44 @@ impl<'a> Needs<'a> {
             return Err(Error::Capacity { buffer: b.name, need: b.bytes, limit, remedy });
         }
         let Some(limit) = self.plan.settings.memory else { return Ok(()) };
-        // later passes have more area points
-        let most = area_points_most(Some(limit));
-        let area = |b: &Buffer| if b.name == "area_points" { area_points(most, most).bytes } else { b.bytes };
-        let need = buffers.iter().map(area).sum();
+        let need = self.most_bytes();
         if need > limit {
             let remedy =
                 "allow more (--memory), render a smaller image (--size) or use --device cpu".to_string();
             return Err(Error::Capacity { buffer: "the device", need, limit, remedy });
         }
         Ok(())
+    }
+
+    /// Bytes of all buffers, at most: later passes have more area points.
+    fn most_bytes(&self) -> u64 {
+        let most = area_points_most(self.plan.settings.memory);
+        let area = |b: &Buffer| if b.name == "area_points" { area_points(most, most).bytes } else { b.bytes };
+        self.buffers().iter().map(area).sum()
+    }
+
+    /// Bytes on the device of a pixel that its buffers hold.
+    pub fn bytes_per_pixel(&self) -> f64 {
+        let pixels = self.strips.pixels_held();
+        pixel_buffers(pixels).iter().map(|b| b.bytes).sum::<u64>() as f64 / pixels as f64
+    }
+
+    /// Bytes of host memory beside the buffers, at most.
+    pub fn host_bytes(&self) -> u64 {
+        host_bytes(self.scene.size, self.plan.layers.iter().filter(|traced| **traced).count())
+    }
+
+    /// Check that so many free bytes hold the buffers of a device whose memory is the host's, and what the host needs itself. How
+    /// much is free never decides how a picture is made.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] with need, what is free, and what to do.
+    pub fn check_free(&self, free: Option<u64>) -> Result<()> {
+        let need = self.most_bytes().saturating_add(self.host_bytes());
+        match free {
+            Some(free) if need > free => Err(Error::Memory { need, free }),
+            _ => Ok(()),
+        }
     }
 
     /// Those that depend on how the work is cut.
@@ -265,7 +309,6 @@ pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &Machine) -> Vec
         Buffer::new("warps_diffuse", warps, "learned directions of emission, diffuse map"),
         Buffer::new("marks", MARK_WORDS as u64 * WORD, "cells where the camera looks"),
         Buffer::new("tiles", tiles_bytes(scene.size), "tiles, those that rest last"),
-        Buffer::new("glints", Glints::most(scene.pixels() as u64) * WORD, "trees that look for emission"),
         Buffer::new("ring", RING_BYTES, "uniforms of a submission"),
     ]);
     all
@@ -359,6 +402,11 @@ fn pixel_buffers(pixels: u64) -> Vec<Buffer> {
         ),
         Buffer::new("radii", pixels * size_of::<Fit>() as u64, "radius of the caustic map"),
         Buffer::new("counts", pixels * WORD, "jotons that the pilot found"),
+        Buffer::new(
+            "glints",
+            Glints::most(pixels).max(TREES_MAX.into()) * WORD,
+            "trees that look for emission",
+        ),
         Buffer::new("edges", pixels * WORD, "whether a disc is whole"),
         Buffer::new("clips", pixels * size_of::<Clip>() as u64, "walls about a disc"),
     ];

@@ -1,6 +1,7 @@
 //! Facts of a scene that a plan is made from: what is there, and what light can never do.
 
-use crate::optics::emit::kind;
+use crate::optics::cone::between;
+use crate::optics::emit::{from_light, kind};
 use crate::pack::{EmitterKind, MaterialFlags, PackedEmitter, PackedScene, Target};
 use glam::Vec3;
 
@@ -19,25 +20,38 @@ pub(super) fn has_diffuse_surface(scene: &PackedScene) -> bool {
     scene.diffuse_area > 0.0
 }
 
+/// True where a light without area can be seen in a lobe that is followed.
+pub(super) fn shows_delta_lights(scene: &PackedScene) -> bool {
+    scene.emitters.iter().any(|e| kind(e) != EmitterKind::Triangle)
+        && scene.triangles.iter().any(|t| scene.materials[t.material as usize].has_narrow_lobe())
+}
+
 /// True where light of some emitter can meet a specular body before anything else: not where all emitters face away from
 /// all bounding spheres.
 pub(super) fn lights_reach_targets(scene: &PackedScene) -> bool {
     scene.emitters.iter().any(|e| scene.targets.iter().any(|t| shines_on(e, t)))
 }
 
-/// Angles are told from f32 cosines: near 0 and π these do not know them better, rad.
-const ANGLE_SLACK: f32 = 1e-3;
+/// Directions are rounded to f32: angles are not known better, rad.
+const ANGLE_SLACK: f32 = 1e-6;
+
+/// Angle whose 1 − cosine this is, rad.
+fn angle(one_minus_cos: f32) -> f32 {
+    2.0 * (0.5 * one_minus_cos).sqrt().min(1.0).asin()
+}
 
 fn shines_on(e: &PackedEmitter, target: &Target) -> bool {
-    let to_center = target.center - e.origin;
+    let to_center = from_light(e, target.center);
     match kind(e) {
-        EmitterKind::Triangle => to_center.dot(e.e1.cross(e.e2).normalize_or_zero()) > -target.radius,
+        EmitterKind::Triangle => {
+            (target.center - e.origin).dot(e.e1.cross(e.e2).normalize_or_zero()) > -target.radius
+        }
         EmitterKind::Spot => {
             let distance = to_center.length();
             // half angles of the cone and of the sphere, and the angle between them
             distance <= target.radius
-                || (to_center / distance).dot(e.e1).clamp(-1.0, 1.0).acos()
-                    < e.e2.y.acos() + (target.radius / distance).asin() + ANGLE_SLACK
+                || angle(between(to_center, e.e1))
+                    < angle(e.e2.y) + (target.radius / distance).asin() + ANGLE_SLACK
         }
         EmitterKind::Point | EmitterKind::Sun => true,
     }

@@ -6,12 +6,16 @@
 //! compared with half the CPU seconds of a first pass (median of three seeds): told 107, 206, 310, measured 113, 204, 310;
 //! scenes/ furnace 115 and 107, pool 277 and 280, ring 121 and 84, spheres 191 and 191. Other machines differ in all of it.
 
-use super::buffers::{Needs, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
+use super::Schedule;
+use super::buffers::{AREA_KEY_BITS, Needs, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
+use super::discs::{Looked, Place, caustic_radius};
+use super::grid::Grid;
 use super::shape::{DIGIT_BITS, Kind, Shape, Strip};
 use super::traffic::Traffic;
 use crate::film::Layer;
 use crate::layout::{GatherPoint, Joton, Lane, TILE};
-use std::f64::consts::PI;
+use crate::pack::scatter_area_points;
+use glam::Vec3;
 
 /// A kernel in a pass: all its dispatches together.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -26,6 +30,8 @@ pub struct Kernel {
     pub invocations: u64,
     /// Rays; estimated.
     pub rays: u64,
+    /// Nodes and triangles that the rays look at; estimated.
+    pub steps: u64,
     /// Jotons or area points that are tested against a disc; estimated.
     pub tests: u64,
     /// Bytes read and written, but for the scene; estimated.
@@ -34,15 +40,12 @@ pub struct Kernel {
     pub milliseconds: f64,
 }
 
-/// Nanoseconds of a ray from the eye or to a light in a scene of one node …
-const RAY_COHERENT: f64 = 38.0;
-/// … and more for each doubling of the triangles beyond.
-const RAY_COHERENT_DOUBLING: f64 = 9.0;
-/// The same of a joton's ray.
-const RAY_SCATTERED: f64 = 75.0;
-const RAY_SCATTERED_DOUBLING: f64 = 24.0;
-/// Triangles from which on doublings count.
-const TRIANGLES_FEW: f64 = 32.0;
+/// Nanoseconds of a ray from the eye or to a light, and of a node or triangle that it looks at: neighbours look at the same.
+const RAY_COHERENT: f64 = 30.0;
+const STEP_COHERENT: f64 = 6.0;
+/// The same of a joton's ray: the invocations that run in step wait for each other.
+const RAY_SCATTERED: f64 = 60.0;
+const STEP_SCATTERED: f64 = 20.0;
 /// Part of a ray's cost in a scene that lies in uniform buffers.
 const SMALL_SHARE: f64 = 0.75;
 /// Nanoseconds of a joton or area point that is tested.
@@ -60,13 +63,8 @@ const BYTE: f64 = 0.12;
 /// Nanoseconds of a dispatch.
 const DISPATCH: f64 = 6000.0;
 
-/// Jotons tested for each that lies in the disc: cells are squares, and lanes look together.
-const TESTED_SHARE: f64 = 1.8;
-/// Jotons tested for each that a disc of the caustic map shall hold: its cells are as wide as the largest disc, and most
-/// discs are far smaller.
-const TESTED_SHARE_CAUSTIC: f64 = 6.0;
-/// Part of the discs that edges cut or that have to be looked at for it.
-const CUT_SHARE: f64 = 0.6;
+/// Area points that a plan looks at to tell how they lie.
+const AREA_SAMPLES: usize = 1 << 14;
 /// Rays of a pixel's trees for each of its eye path, where there are trees.
 const GLINT_RAYS: f64 = 4.0;
 /// Part of the pixels on the edges of lamps.
@@ -81,6 +79,8 @@ const FILM: f64 = 32.0;
 #[derive(Clone, Copy, Default)]
 struct Work {
     rays: f64,
+    /// Nodes and triangles that the rays look at.
+    steps: f64,
     tests: f64,
     bytes: f64,
     /// Nanoseconds of everything else.
@@ -90,7 +90,8 @@ struct Work {
 impl Needs<'_> {
     /// The kernels of the first pass, in their order.
     pub fn kernels(&self, traffic: &Traffic) -> Vec<Kernel> {
-        let mut list = List { coherent: self.ray(false), scattered: self.ray(true), kernels: Vec::new() };
+        let small = if is_small(self.scene, &self.machine) { SMALL_SHARE } else { 1.0 };
+        let mut list = List { small, kernels: Vec::new() };
         let maps: Vec<(Kind, Shape)> =
             Kind::ALL.into_iter().filter_map(|k| Some((k, self.shapes.of(k)?))).collect();
         let strips: Vec<Strip> = self.strips.each().collect();
@@ -102,18 +103,6 @@ impl Needs<'_> {
         list.kernels
     }
 
-    /// Nanoseconds of a ray.
-    fn ray(&self, scattered: bool) -> f64 {
-        let (few, doubling) = if scattered {
-            (RAY_SCATTERED, RAY_SCATTERED_DOUBLING)
-        } else {
-            (RAY_COHERENT, RAY_COHERENT_DOUBLING)
-        };
-        let doublings = (self.scene.triangles.len() as f64 / TRIANGLES_FEW).log2().max(0.0);
-        let small = if is_small(self.scene, &self.machine) { SMALL_SHARE } else { 1.0 };
-        (few + doubling * doublings) * small
-    }
-
     fn camera_kernels(&self, list: &mut List, traffic: &Traffic, strips: &[Strip]) {
         let rows = |s: &Strip| u64::from(s.rows) * u64::from(self.strips.size[0]);
         let pixels: Vec<u64> = strips.iter().map(rows).collect();
@@ -121,6 +110,7 @@ impl Needs<'_> {
         let point = size_of::<GatherPoint>() as f64;
         let eye = Work {
             rays: camera.rays,
+            steps: camera.steps,
             bytes: 2.0 * point + FILM,
             rest: INVOCATION + camera.rays * EYE,
             ..Work::default()
@@ -129,15 +119,24 @@ impl Needs<'_> {
         if self.plan.traces(Layer::Emission) {
             let share = (GLINT_EDGES + GLINT_NEAR * camera.glints).min(1.0);
             let rays = share * GLINT_RAYS * camera.rays;
-            let glint = Work { rays, bytes: point, rest: INVOCATION + rays * EYE, ..Work::default() };
+            let steps = share * GLINT_RAYS * camera.steps;
+            let glint = Work { rays, steps, bytes: point, rest: INVOCATION + rays * EYE, ..Work::default() };
             list.add("glint", None, &pixels, glint);
             let sum = Work { bytes: share * FILM, rest: share * INVOCATION, ..Work::default() };
             list.add("glint_sum", None, &pixels, sum);
         }
         if self.plan.traces(Layer::Direct) {
-            let rays = camera.stored * f64::from(self.plan.settings.shadow_rays);
-            let direct =
-                Work { rays, bytes: point + FILM, rest: INVOCATION + rays * DIRECT, ..Work::default() };
+            let samples = f64::from(self.plan.settings.shadow_rays);
+            let rays = traffic.shadow.rays * samples;
+            // a light is looked at for each candidate, and the lobes for each ray
+            let looks = camera.stored * samples * f64::from(self.plan.light_candidates);
+            let direct = Work {
+                rays,
+                steps: traffic.shadow.steps * samples,
+                bytes: point + FILM,
+                rest: INVOCATION + (rays + looks) * 0.5 * DIRECT,
+                ..Work::default()
+            };
             list.add("direct", None, &pixels, direct);
         }
     }
@@ -155,6 +154,7 @@ impl Needs<'_> {
         let dispatches = u64::from(shape.dispatches);
         let trace = Work {
             rays: shared(emitted * mean.rays, lanes * dispatches),
+            steps: shared(emitted * mean.steps, lanes * dispatches),
             bytes: 2.0 * size_of::<Lane>() as f64 + shared(stored * joton, lanes * dispatches),
             rest: INVOCATION + shared(emitted * EMISSION, lanes * dispatches),
             ..Work::default()
@@ -191,62 +191,80 @@ impl Needs<'_> {
         let pixels: Vec<u64> = strips.iter().map(tiles).collect();
         let point = size_of::<GatherPoint>() as f64;
         let points = traffic.camera.stored;
-        let gather = |tests: f64| Work {
-            tests: points * tests,
-            bytes: point + FILM,
-            rest: points * GATHER,
-            rays: 0.0,
-        };
+        let gather =
+            |tests: f64| Work { tests, bytes: point + FILM, rest: points * GATHER, ..Work::default() };
+        let (Some(shape), schedule) = (self.shapes.of(kind), self.schedule(kind)) else { return };
+        let radius = schedule.radius(0) as f32;
+        let stored = f64::from(shape.emitted) * traffic.of(kind).stored;
+        let grid = Grid::new(self.scene.bounds, radius, shape.key_bits());
+        let jotons = Looked::new(grid, &traffic.stored[kind as usize], stored);
         if kind == Kind::Caustic {
-            list.add(
-                "gather",
-                map,
-                &pixels,
-                gather(f64::from(self.plan.caustic_wanted) * TESTED_SHARE_CAUSTIC),
-            );
+            let tests = traffic.mean_of_places(|place| {
+                jotons.tests(place.position, caustic_radius(self.plan, place, &jotons))
+            });
+            list.add("gather", map, &pixels, gather(tests));
             return;
         }
-        let radius = self.plan.diffuse.radius(0);
-        let discs = self.scene.diffuse_area / (PI * radius * radius);
-        let area_points =
-            area_points_wanted(self.scene, radius, area_points_most(self.plan.settings.memory)) as f64;
-        let boundary = gather(CUT_SHARE * TESTED_SHARE * area_points / discs);
-        list.add("boundary", map, &pixels, boundary);
-        let stored = f64::from(self.plan.diffuse_jotons) * traffic.of(kind).stored;
-        list.add("gather", map, &pixels, gather(TESTED_SHARE * stored / discs));
+        let most = area_points_most(self.plan.settings.memory);
+        let wanted = area_points_wanted(self.scene, schedule.radius(0), most);
+        let (sample, _) = scatter_area_points(self.scene, wanted.min(AREA_SAMPLES), 0);
+        let sample: Vec<Vec3> = sample.iter().map(|p| p.position).collect();
+        let all = wanted as f64 * sample.len() as f64 / wanted.min(AREA_SAMPLES) as f64;
+        let area_points = Looked::new(Grid::new(self.scene.bounds, radius, AREA_KEY_BITS), &sample, all);
+        let tests = |is_looked_at: &dyn Fn(&Place) -> bool, looked: &Looked| {
+            traffic.mean_of_places(|place| {
+                if is_looked_at(place) { looked.tests(place.position, radius) } else { 0.0 }
+            })
+        };
+        list.add("boundary", map, &pixels, gather(tests(&|place| place.is_cut, &area_points)));
+        list.add("gather", map, &pixels, gather(tests(&|_| true, &jotons)));
+    }
+
+    fn schedule(&self, kind: Kind) -> &Schedule {
+        if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse }
     }
 }
 
 /// Collects kernels and what they cost.
 struct List {
-    /// Nanoseconds of a ray.
-    coherent: f64,
-    scattered: f64,
+    /// Factor on the cost of a ray.
+    small: f64,
     kernels: Vec<Kernel>,
 }
 
 impl List {
     /// A kernel that is dispatched over these numbers of items.
     fn add(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work) {
-        self.push(name, map, items, each, self.coherent);
+        self.push(name, map, items, each, [RAY_COHERENT, STEP_COHERENT]);
     }
 
     /// One whose rays go anywhere.
     fn add_scattered(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work) {
-        self.push(name, map, items, each, self.scattered);
+        self.push(name, map, items, each, [RAY_SCATTERED, STEP_SCATTERED]);
     }
 
-    fn push(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work, ray: f64) {
+    fn push(
+        &mut self,
+        name: &'static str,
+        map: Option<&'static str>,
+        items: &[u64],
+        each: Work,
+        [ray, step]: [f64; 2],
+    ) {
         let invocations: u64 = items.iter().sum();
         let n = invocations as f64;
         let nanoseconds = DISPATCH * items.len() as f64
-            + n * (each.rays * ray + each.tests * TEST + each.bytes * BYTE + each.rest);
+            + n * (self.small * (each.rays * ray + each.steps * step)
+                + each.tests * TEST
+                + each.bytes * BYTE
+                + each.rest);
         self.kernels.push(Kernel {
             name,
             map,
             dispatches: items.len() as u64,
             invocations,
             rays: (n * each.rays) as u64,
+            steps: (n * each.steps) as u64,
             tests: (n * each.tests) as u64,
             bytes: (n * each.bytes) as u64,
             milliseconds: nanoseconds * 1e-6,

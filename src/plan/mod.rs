@@ -1,7 +1,9 @@
 //! Plan: what a scene needs and what is skipped and why; decided once, before the first pass, without a device.
 
 pub mod buffers;
+mod discs;
 mod facts;
+pub mod grid;
 pub mod kernels;
 mod learn;
 mod pilot;
@@ -108,6 +110,8 @@ pub struct Features {
     pub glossy: bool,
     /// Some emitter is not a triangle.
     pub delta_lights: bool,
+    /// Some faces may lie in one place.
+    pub contacts: bool,
     /// Only some light paths are wanted.
     pub path_filter: bool,
 }
@@ -203,6 +207,14 @@ impl Plan {
         }
     }
 
+    /// Jotons emitted a pass for a map.
+    pub fn jotons(&self, kind: shape::Kind) -> u32 {
+        match kind {
+            shape::Kind::Caustic => self.caustic_jotons,
+            shape::Kind::Diffuse => self.diffuse_jotons,
+        }
+    }
+
     /// Emit half as many jotons for a map, with the radius that goes with them: a disc holds as many.
     pub fn halve_jotons(&mut self, scene: &PackedScene, kind: shape::Kind) {
         match kind {
@@ -263,7 +275,12 @@ fn layers(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> [bool;
     // in the order of the layers, the reasons of each in order of weight
     let reasons = [
         [(!facts::has_emissive_surface(scene)).then_some(Reason::NoEmissiveSurface), None, None],
-        [(!facts::has_diffuse_surface(scene)).then_some(Reason::NoDiffuseSurface), None, None],
+        [
+            (!facts::has_diffuse_surface(scene) && !facts::shows_delta_lights(scene))
+                .then_some(Reason::NoDiffuseSurface),
+            None,
+            None,
+        ],
         [
             (!facts::has(scene, |m| m.has_delta())).then_some(Reason::NoSpecularSurface),
             (!facts::has_diffuse_surface(scene)).then_some(Reason::NoDiffuseSurface),
@@ -307,6 +324,7 @@ fn features(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> Feat
             Part::DeltaLights,
             Reason::AllLightsAreSurfaces,
         ),
+        contacts: needs(scene.has_contacts, Part::Contacts, Reason::NothingTouches),
         path_filter: needs(!settings.paths.is_everything(), Part::PathFilter, Reason::AllPathsWanted),
     }
 }

@@ -1,6 +1,7 @@
 //! Pilot: a few thousand camera rays, traced on the host, that tell how large things are in the image.
 
-use crate::pack::{Guide, PackedEmitter, PackedScene, SMOOTH};
+use crate::optics::emit::kind;
+use crate::pack::{CameraRay, EmitterKind, Guide, PackedEmitter, PackedScene, SMOOTH};
 use glam::Vec3;
 
 /// What the camera sees, in internal units.
@@ -26,7 +27,7 @@ impl Pilot {
             .filter_map(|i| {
                 let x = ((i % RAYS) as f32 + 0.5) / RAYS as f32;
                 let y = ((i / RAYS) as f32 + 0.5) / RAYS as f32;
-                path_length(scene, scene.camera.eye, scene.camera.direction([x, y]))
+                path_length(scene, scene.camera.ray([x, y]))
             })
             .map(|length| length * scene.pixel_angle())
             .collect();
@@ -41,8 +42,8 @@ impl Pilot {
 }
 
 /// Length of the path from the eye to the first diffuse surface; always refracts where it can.
-fn path_length(scene: &PackedScene, mut origin: Vec3, mut direction: Vec3) -> Option<f32> {
-    let mut length = 0.0;
+fn path_length(scene: &PackedScene, ray: CameraRay) -> Option<f32> {
+    let CameraRay { mut origin, mut direction, travelled: mut length } = ray;
     for _ in 0..CHAIN {
         let hit = scene.bvh.closest(&scene.triangles, origin, direction, f32::INFINITY)?;
         length += hit.t;
@@ -60,7 +61,9 @@ fn path_length(scene: &PackedScene, mut origin: Vec3, mut direction: Vec3) -> Op
         } else {
             t.normal()
         };
-        let (facing, eta) = if direction.dot(n) < 0.0 { (n, 1.0 / material.ior) } else { (-n, material.ior) };
+        // a thin pane bends nothing
+        let ior = if material.flags().is_thin() { 1.0 } else { material.ior };
+        let (facing, eta) = if direction.dot(n) < 0.0 { (n, 1.0 / ior) } else { (-n, ior) };
         let refracted =
             if material.flags().is_dielectric() { direction.refract(facing, eta) } else { Vec3::ZERO };
         let point = origin + direction * hit.t;
@@ -73,7 +76,11 @@ fn path_length(scene: &PackedScene, mut origin: Vec3, mut direction: Vec3) -> Op
 /// True where more than half of the caustic jotons start outside every target: they are aimed.
 pub(super) fn aimed(scene: &PackedScene, guide: &Guide) -> bool {
     let outside = |p: Vec3| scene.targets.iter().all(|t| (p - t.center).length() > t.radius);
-    let middle = |e: &PackedEmitter| if e.kind == 0 { e.circle().0 } else { e.origin };
+    let middle = |e: &PackedEmitter| match kind(e) {
+        EmitterKind::Triangle => e.circle().0,
+        EmitterKind::Point | EmitterKind::Spot => e.position(),
+        EmitterKind::Sun => e.origin,
+    };
     let emitters = guide.emitters(&scene.emitters).iter();
     emitters.filter(|e| outside(middle(e))).map(|e| e.pick).sum::<f32>() > 0.5
 }

@@ -4,7 +4,8 @@ use crate::bands::{BANDS, Bands, mul, scale};
 use crate::optics::bsdf::{Boundary, sample_d, specular_direction};
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface, lift};
-use crate::pack::{Marks, PackedScene};
+use crate::pack::{CameraRay, Marks, PackedScene};
+use crate::rng::purpose::{DIMENSION_SEEN, STREAM_SEEN};
 use crate::rng::{random4, sequence_seed, sobol2};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -21,9 +22,6 @@ const SPACINGS: f32 = 4.0;
 const GAP: f32 = 2.0;
 /// A surface counts as facing along an axis from this cosine on; each faces along one at least.
 const FACING: f32 = 0.5;
-/// Purposes of random numbers; those of the backends lie below.
-const STREAM_SEEN: u32 = 0x200;
-const DIMENSION_SEEN: u32 = 0x10_0000;
 
 /// A place where a camera path meets its first diffuse surface.
 pub(super) struct SeenPoint {
@@ -119,10 +117,9 @@ impl Seen {
 
 /// Where camera path `number` ends.
 fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint> {
-    let c = &scene.camera;
-    let direction = c.direction(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
-    let mut ray = Ray { origin: c.eye, direction };
-    let mut length = 0.0;
+    let CameraRay { origin, direction, travelled: mut length } =
+        scene.camera.ray(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
+    let mut ray = Ray::new(origin, direction);
     for event in 0..CHAIN {
         let s = Surface::hit(scene, &ray)?;
         length += s.distance;

@@ -2,6 +2,7 @@
 
 use super::traffic::Mean;
 use crate::layout::{STEP_BUDGET, TILE};
+use std::ops::Range;
 
 /// What a device is, as far as sizes follow from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,6 +116,13 @@ impl Shape {
     /// Half the jotons in half the lanes.
     pub fn halved(&self) -> Self {
         Self { emitted: self.emitted.div_ceil(2), lanes: self.lanes.div_ceil(2), ..*self }
+    }
+
+    /// Indices of a pass's jotons in the low-discrepancy sequences, where so many were planned: what passes that got fewer leave
+    /// out, no other pass uses.
+    pub fn indices(&self, pass: u32, planned: u32) -> Range<u64> {
+        let first = u64::from(pass) * u64::from(planned);
+        first..first + u64::from(self.emitted)
     }
 
     /// Most jotons that are stored in a pass.
@@ -258,6 +266,26 @@ impl Strips {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// No joton of one pass has an index of another's, whichever of them get only a half or a quarter of what was planned, and
+    /// far beyond 2^32.
+    #[test]
+    fn passes_share_no_indices() {
+        const PLANNED: u32 = 1_555_200;
+        let whole = Shape::new(PLANNED, &Machine::REFERENCE);
+        let shapes = [whole, whole.halved(), whole.halved().halved()];
+        for first in [0, 1, 1000, 1 << 13, 1 << 31, u32::MAX - 9] {
+            let mut end = 0;
+            for pass in first..first + 9 {
+                for shape in shapes {
+                    let indices = shape.indices(pass, PLANNED);
+                    assert!(indices.start >= end, "pass {pass}: {indices:?}, {end}");
+                    assert_eq!(indices.end - indices.start, u64::from(shape.emitted));
+                }
+                end = whole.indices(pass, PLANNED).end;
+            }
+        }
+    }
 
     /// Every row is rendered by one strip, which holds its neighbours, too.
     #[test]

@@ -26,6 +26,8 @@ pub enum Part {
     ShadingNormals,
     /// Code for lights that are no surfaces.
     DeltaLights,
+    /// Code for faces in one place.
+    Contacts,
     /// Code for the automaton of light paths.
     PathFilter,
     /// Code for directions of jotons that were learned.
@@ -74,6 +76,8 @@ pub enum Reason {
     AllFlat,
     /// No light is a point, a spot or a sun.
     AllLightsAreSurfaces,
+    /// No two faces lie in one place.
+    NothingTouches,
     /// The user wants all paths.
     AllPathsWanted,
     /// Jotons are as useful one way as another.
@@ -103,7 +107,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 18] = [
+    pub const ALL: [Part; 19] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -114,6 +118,7 @@ impl Part {
         Part::GlossyLobes,
         Part::ShadingNormals,
         Part::DeltaLights,
+        Part::Contacts,
         Part::PathFilter,
         Part::Warps,
         Part::FurtherShadowRays,
@@ -137,6 +142,7 @@ impl Part {
             Part::GlossyLobes => "glossy-lobes",
             Part::ShadingNormals => "shading-normals",
             Part::DeltaLights => "delta-lights",
+            Part::Contacts => "contacts",
             Part::PathFilter => "path-filter",
             Part::Warps => "warps",
             Part::FurtherShadowRays => "further-shadow-rays",
@@ -161,6 +167,7 @@ impl Part {
             Part::GlossyLobes => "glossy lobes",
             Part::ShadingNormals => "shading normals",
             Part::DeltaLights => "point, spot and sun lights",
+            Part::Contacts => "order of faces in one place",
             Part::PathFilter => "light path filter",
             Part::Warps => "learned directions",
             Part::FurtherShadowRays => "further shadow rays",
@@ -206,6 +213,7 @@ impl Reason {
             Reason::NoGlossySurface => "no surface is glossy",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
+            Reason::NothingTouches => "no two faces lie in one place",
             Reason::AllPathsWanted => "all light paths are wanted",
             Reason::NothingLearned => "jotons are as useful one way as another",
             Reason::OneDirection => "the only light is a point or a direction",
@@ -237,6 +245,7 @@ impl Reason {
             Reason::NoGlossySurface => "a glossy surface",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",
+            Reason::NothingTouches => "faces that touch",
             Reason::AllPathsWanted => "--paths",
             Reason::NothingLearned => "a light whose ways differ in use",
             Reason::OneDirection => "a second light, or one that has a surface",

@@ -1,32 +1,39 @@
-//! Traffic: how many rays a camera path and a joton take, and how many jotons are stored, by tracing a few thousand on the
-//! host. It changes nothing in the image: costs and sizes are estimated by it.
+//! Traffic: how many rays a camera path and a joton take, what these look at on their way, where camera paths end and jotons are
+//! stored, by tracing a few thousand on the host. It changes nothing in the image: costs and sizes are estimated by it.
 
 use super::Plan;
+use super::discs::{Place, is_cut};
 use super::shape::Kind;
 use crate::bands::{BANDS, Bands, mul, scale};
 use crate::film::Layer;
+use crate::layout::UNSEEN_STORED;
 use crate::optics::bsdf::{Boundary, sample_d, specular_direction};
 use crate::optics::emit::{Start, aimed, by_law};
+use crate::optics::light::sample_light;
 use crate::optics::odds::Odds;
 use crate::optics::ray::{Ray, Surface};
 use crate::pack::PackedScene;
+use crate::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
 use crate::rng::{random4, sequence_seed, sobol2};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// Paths of each kind: their means are then good to a few per cent, which is better than the costs of their rays are known.
-const PATHS: u32 = 1 << 12;
+/// Paths from the camera and of each kind of jotons: their means are then good to a few per cent, which is better than the costs of
+/// their rays are known.
+const PATHS: [u32; 3] = [1 << 12, 1 << 14, 1 << 14];
 /// Longest path that is followed.
 const EVENTS_MAX: u32 = 64;
-/// Purposes of random numbers; those of the backends lie below.
-const STREAMS: [u32; 3] = [0x203, 0x205, 0x207];
-const DIMENSION_TRAFFIC: u32 = 0x12_0000;
+/// Emitters from which on every surface asks its lobes, too.
+const NEAR_EMITTERS_MAX: usize = 64;
 
 /// What paths of one kind do, in the mean.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Mean {
     /// Rays.
     pub rays: f64,
+    /// Nodes and triangles that these look at.
+    pub steps: f64,
     /// Jotons stored; of camera paths the part that ends in a gather point.
     pub stored: f64,
     /// Part of the camera paths that see a light through a mirror or glass.
@@ -36,20 +43,29 @@ pub struct Mean {
 impl AddAssign for Mean {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
+        self.steps += other.steps;
         self.stored += other.stored;
         self.glints += other.glints;
     }
 }
 
 /// What the paths of a pass do.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Traffic {
     /// Paths from the camera to the first diffuse surface.
     pub camera: Mean,
+    /// Of a camera path, the rays of one light sample: a shadow ray, and one of the surface's lobes where these are asked, too.
+    pub shadow: Mean,
     /// Jotons of the caustic map.
     pub caustic: Mean,
     /// Jotons of the diffuse map.
     pub diffuse: Mean,
+    /// Where camera paths end; paths that end nowhere have none.
+    pub places: Vec<Place>,
+    /// Camera paths.
+    pub camera_paths: u32,
+    /// Where the jotons of each map are stored.
+    pub stored: [Vec<Vec3>; 2],
 }
 
 /// Which paths are followed.
@@ -60,27 +76,41 @@ enum Path {
     Diffuse,
 }
 
-impl Traffic {
-    /// Trace a few paths of each kind that the plan has.
-    pub fn look(scene: &PackedScene, plan: &Plan) -> Self {
-        let mean = |path: Path| {
-            let all: Vec<Mean> =
-                (0..PATHS).into_par_iter().map(|number| follow(scene, plan, path, number)).collect();
-            let mut sum = Mean::default();
-            all.into_iter().for_each(|one| sum += one);
-            let n = f64::from(PATHS);
-            Mean { rays: sum.rays / n, stored: sum.stored / n, glints: sum.glints / n }
-        };
-        let jotons = |layer, path| if plan.traces(layer) { mean(path) } else { Mean::default() };
-        Self {
-            camera: mean(Path::Camera),
-            caustic: jotons(Layer::Caustic, Path::Caustic),
-            diffuse: jotons(Layer::Diffuse, Path::Diffuse),
-        }
-    }
+/// What one path did.
+#[derive(Default)]
+struct Followed {
+    mean: Mean,
+    shadow: Mean,
+    place: Option<Place>,
+    stored: Vec<Vec3>,
 }
 
 impl Traffic {
+    /// Trace a few paths of each kind that the plan has.
+    pub fn look(scene: &PackedScene, plan: &Plan) -> Self {
+        let all = |path: Path| -> (Vec<Followed>, Mean) {
+            let paths = PATHS[path as usize];
+            let all: Vec<Followed> =
+                (0..paths).into_par_iter().map(|number| follow(scene, plan, path, number)).collect();
+            let mean = mean(all.iter().map(|one| one.mean), paths);
+            (all, mean)
+        };
+        let (seen, camera) = all(Path::Camera);
+        let jotons = |layer, path| if plan.traces(layer) { all(path) } else { Default::default() };
+        let (caustic, diffuse) =
+            (jotons(Layer::Caustic, Path::Caustic), jotons(Layer::Diffuse, Path::Diffuse));
+        let places = |all: Vec<Followed>| all.into_iter().flat_map(|one| one.stored).collect();
+        Self {
+            camera,
+            shadow: mean(seen.iter().map(|one| one.shadow), PATHS[0]),
+            caustic: caustic.1,
+            diffuse: diffuse.1,
+            places: seen.iter().filter_map(|one| one.place).collect(),
+            camera_paths: PATHS[0],
+            stored: [places(caustic.0), places(diffuse.0)],
+        }
+    }
+
     /// Of a map's jotons.
     pub fn of(&self, kind: Kind) -> Mean {
         match kind {
@@ -88,17 +118,30 @@ impl Traffic {
             Kind::Diffuse => self.diffuse,
         }
     }
+
+    /// Mean over the pixels of what each place comes to.
+    pub(super) fn mean_of_places(&self, of: impl Fn(&Place) -> f64) -> f64 {
+        self.places.iter().map(of).sum::<f64>() / f64::from(self.camera_paths.max(1))
+    }
+}
+
+fn mean(all: impl Iterator<Item = Mean>, paths: u32) -> Mean {
+    let mut sum = Mean::default();
+    all.for_each(|one| sum += one);
+    let [rays, steps, stored, glints] =
+        [sum.rays, sum.steps, sum.stored, sum.glints].map(|x| x / f64::from(paths));
+    Mean { rays, steps, stored, glints }
 }
 
 /// Where a path starts; none where nothing is emitted.
 fn start(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Option<(Ray, Bands)> {
     let seed = plan.settings.seed;
-    let draw = |k: u32| sobol2(number, sequence_seed(seed, k, STREAMS[path as usize]));
-    let of = |s: Start| (Ray { origin: s.origin, direction: s.direction }, s.flux);
+    let draw = |k: u32| sobol2(number, sequence_seed(seed, k, STREAM_TRAFFIC[path as usize]));
+    let of = |s: Start| (Ray::new(s.origin, s.direction), s.flux);
     match path {
         Path::Camera => {
-            let c = &scene.camera;
-            Some((Ray { origin: c.eye, direction: c.direction(draw(0)) }, [1.0; BANDS]))
+            let camera = scene.camera.ray(draw(0));
+            Some((Ray::new(camera.origin, camera.direction), [1.0; BANDS]))
         }
         _ if scene.emitters.is_empty() => None,
         Path::Caustic => aimed(scene, &plan.guides.caustic, draw(0), draw(1), 1.0).map(of),
@@ -106,36 +149,59 @@ fn start(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Option<(R
     }
 }
 
-fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Mean {
-    let mut found = Mean::default();
+/// Nodes and triangles that a ray looks at.
+fn steps(scene: &PackedScene, ray: &Ray, reach: f32, any: bool) -> f64 {
+    f64::from(scene.bvh.steps(&scene.triangles, ray.origin, ray.direction, reach, any))
+}
+
+fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed {
+    let mut found = Followed::default();
     let Some((mut ray, mut flux)) = start(scene, plan, path, number) else { return found };
     let (mut met_diffuse, mut met_specular) = (false, false);
+    let mut length = 0.0;
     for event in 0..EVENTS_MAX {
         if flux.iter().all(|x| *x <= 0.0) {
             break;
         }
-        found.rays += 1.0;
+        found.mean.rays += 1.0;
+        found.mean.steps += steps(scene, &ray, f32::INFINITY, false);
         let Some(s) = Surface::hit(scene, &ray) else { break };
+        length += s.distance;
         if path == Path::Camera && met_specular && s.flags().is_emissive() && s.front {
-            found.glints = 1.0;
+            found.mean.glints = 1.0;
         }
         let is_met = match path {
             Path::Camera => false,
             Path::Caustic => met_specular,
             Path::Diffuse => met_diffuse,
         };
-        if is_met && s.flags().has_diffuse() {
-            found.stored += 1.0;
-        }
         let [u_way, u0, u1, u_lobe] =
             random4(plan.settings.seed, path as u32, number, DIMENSION_TRAFFIC + event);
+        if is_met && s.flags().has_diffuse() {
+            let is_marked = plan.marks.as_ref().is_none_or(|marks| marks.holds(s.position));
+            // as many of the others as are stored, by any number that decides about nothing else
+            let share = if is_marked || path == Path::Caustic { 1 } else { UNSEEN_STORED };
+            found.mean.stored += 1.0 / f64::from(share);
+            if (number + event).is_multiple_of(share) {
+                found.stored.push(s.position);
+            }
+        }
         let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
         let odds = Odds::new(&s, boundary.as_ref(), &flux, event);
         // nothing is absorbed by chance on the way from the eye
         let kept = if path == Path::Camera { odds.ways.iter().map(|w| w.1).sum() } else { 1.0 };
         let Some(way) = odds.choose(u_way * kept) else { break };
         if way == 0 && path != Path::Diffuse {
-            found.stored += if path == Path::Camera { 1.0 } else { 0.0 };
+            if path == Path::Camera {
+                found.mean.stored += 1.0;
+                let radius = plan.diffuse.radius(0) as f32;
+                found.place = Some(Place {
+                    position: s.position,
+                    footprint: length * scene.pixel_angle(),
+                    is_cut: event > 0 || plan.traces(Layer::Diffuse) && is_cut(scene, &s, radius),
+                });
+                found.shadow = shadow(scene, plan, &s, [u0, u1, u_lobe]);
+            }
             break;
         }
         let leaving = match way {
@@ -148,6 +214,27 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Mean {
         met_diffuse |= way == 0;
         met_specular |= way > 0;
         ray = s.leave(w);
+    }
+    found
+}
+
+/// The rays of a light sample at a surface.
+fn shadow(scene: &PackedScene, plan: &Plan, s: &Surface, [u, v, w]: [f32; 3]) -> Mean {
+    let mut found = Mean::default();
+    let lights = plan.guides.direct.emitters(&scene.emitters);
+    if let Some(light) = sample_light(lights, s.position, [u, v])
+        && light.wi.dot(s.ng) > 0.0
+        && light.wi.dot(s.ns) > 0.0
+    {
+        found.rays += 1.0;
+        found.steps += steps(scene, &s.leave(light.wi), (light.target - s.position).length(), true);
+    }
+    // every sample shares its weight with one of the lobes where either is much better
+    if (s.flags().has_glossy() || lights.len() > NEAR_EMITTERS_MAX)
+        && let Some(wi) = sample_d(s.material, s.back, s.ns, w, [u, v])
+    {
+        found.rays += 1.0;
+        found.steps += steps(scene, &s.leave(wi), f32::INFINITY, false);
     }
     found
 }

@@ -1,7 +1,7 @@
 //! State: what a render has found so far, and the loop that goes on from there.
 
 use super::{DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, Stop};
-use crate::backend::{Backend, Tally, guarded};
+use crate::backend::{Backend, PASSES_MAX, Tally, guarded};
 use crate::bands::BANDS;
 use crate::error::Result;
 use crate::film::Layer;
@@ -143,11 +143,9 @@ impl RenderState {
             // the film takes single samples, and the device sums all
             return 1;
         }
-        let wanted = u64::from(backend.batch_passes(self.passes)).min(halves::run(self.passes));
-        let count = stop.passes.map_or(wanted, |most| wanted.min(most.saturating_sub(self.passes)).max(1));
         // it begins at a multiple of it, wherever another device stopped
         let aligned = 1 << self.passes.trailing_zeros().min(u64::BITS - 1);
-        (1 << count.ilog2()).min(aligned)
+        batch(self.passes, backend.batch_passes(self.passes), most(stop)).min(aligned)
     }
 
     /// Render a batch and add it. Where the backend fails, the batch is in whole or not at all.
@@ -207,7 +205,7 @@ impl RenderState {
     /// Why to stop here, if so.
     fn reason(&self, stop: Stop, go_on: bool) -> Option<Reason> {
         let is_small = |limit: f64| self.error.is_some_and(|e| e.total <= limit);
-        if stop.passes.is_some_and(|most| self.passes >= most) {
+        if self.passes >= most(stop) {
             Some(Reason::Passes)
         } else if stop.error.is_some_and(is_small) {
             Some(Reason::Error)
@@ -240,6 +238,17 @@ impl RenderState {
             failures: self.failures,
         }
     }
+}
+
+/// Passes in all, at most.
+fn most(stop: Stop) -> u64 {
+    stop.passes.unwrap_or(PASSES_MAX).min(PASSES_MAX)
+}
+
+/// Passes of the batch from pass `first` on, where the backend would like so many, of `most` in all: powers of two, which blocks
+/// of resting tiles are whole parts of, or whole multiples.
+pub(super) fn batch(first: u64, wanted: u32, most: u64) -> u64 {
+    1 << u64::from(wanted).min(halves::run(first)).min(most - first).ilog2()
 }
 
 /// Whether the error is estimated after so many passes: after each one first, later after every sixteenth part of them, so

@@ -10,6 +10,7 @@
 use super::text;
 use super::warnings::Warnings;
 use crate::{Error, Result};
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -58,6 +59,7 @@ pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Resul
     let mut out = Clean { text: "vn 0 0 0\n".to_owned(), ..Clean::default() };
     let mut so_far = Counts::default();
     let mut material = None;
+    let mut index_of: HashMap<String, usize> = HashMap::new();
     let mut ignored = |line, what: &str| warnings.add(path, Some(line), what);
     for statement in text::statements(source) {
         let line = statement.line;
@@ -101,11 +103,14 @@ pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Resul
                 }
             },
             "usemtl" => {
-                let index = out.materials.iter().position(|name| name == rest);
-                material = Some(index.unwrap_or_else(|| {
-                    out.materials.push(rest.to_owned());
-                    out.materials.len() - 1
-                }));
+                material = Some(match index_of.get(rest) {
+                    Some(&index) => index,
+                    None => {
+                        index_of.insert(rest.to_owned(), out.materials.len());
+                        out.materials.push(rest.to_owned());
+                        out.materials.len() - 1
+                    }
+                });
             }
             "mtllib" => out.libraries.push((line, rest.to_owned())),
             "l" | "p" => ignored(line, "lines and points are ignored"),

@@ -19,6 +19,8 @@ const GRID: usize = 24;
 const MOST_TRIANGLES: usize = 4096;
 /// Points on lights that are asked whether they reach a surface.
 const MOST_LIGHTS: usize = 4;
+/// Lights without a surface that are asked.
+const MOST_LIGHTS_BESIDE: usize = 12;
 /// A view is good enough if it sees this share of what the best one sees.
 const GOOD_SHARE: f64 = 0.6;
 /// Below this share of lit rays a view shows a wall.
@@ -154,16 +156,14 @@ impl Probe {
             }
         }
         let mut sources: Vec<Source> = largest(emitters, MOST_LIGHTS);
-        for light in lights {
-            sources.push(match *light {
-                Light::Point { position, .. } | Light::Spot { position, .. } => {
-                    Source { position, normal: None }
-                }
-                Light::Sun { direction, .. } => {
-                    let far = mesh.positions.iter().map(|p| p.length()).fold(1.0, f64::max);
-                    Source { position: -direction * far * 1e3, normal: None }
-                }
-            });
+        let far = mesh.positions.iter().map(|p| p.length()).fold(1.0, f64::max);
+        // evenly spread in the list where there are too many
+        for light in lights.iter().step_by(lights.len().div_ceil(MOST_LIGHTS_BESIDE).max(1)) {
+            let position = match *light {
+                Light::Point { position, .. } | Light::Spot { position, .. } => position,
+                Light::Sun { direction, .. } => -direction * far * 1e3,
+            };
+            sources.push(Source { position, normal: None });
         }
         Self { triangles: largest(triangles, MOST_TRIANGLES), sources }
     }

@@ -13,7 +13,7 @@ pub enum Light {
         /// Radiant intensity, W/sr per band. Flux is 4π times this.
         intensity: Bands,
     },
-    /// Shines into a cone: full intensity inside `cos_inner`, smoothly (cubic in the cosine) to none at `cos_outer`.
+    /// Shines into a cone: full intensity inside `angle_inner`, smoothly (cubic in the cosine) to none at `angle_outer`.
     Spot {
         /// World position.
         position: DVec3,
@@ -21,10 +21,10 @@ pub enum Light {
         direction: DVec3,
         /// Radiant intensity on the axis, W/sr per band.
         intensity: Bands,
-        /// Cosine of the angle from the axis up to which the intensity is full.
-        cos_inner: f64,
-        /// Cosine of the angle from the axis at which the intensity reaches zero.
-        cos_outer: f64,
+        /// Angle from the axis up to which the intensity is full, rad. Not its cosine: that of a narrow cone has no digits.
+        angle_inner: f64,
+        /// Angle from the axis at which the intensity reaches zero, rad.
+        angle_outer: f64,
     },
     /// Parallel light from far away.
     Sun {

@@ -2,7 +2,9 @@
 
 mod camera;
 mod clean;
+mod ears;
 mod frame;
+mod glass;
 mod light;
 mod load;
 mod material;
@@ -15,11 +17,14 @@ mod table;
 mod text;
 mod validate;
 mod warnings;
+mod weld;
 
 pub use camera::Camera;
 pub use light::Light;
-pub use load::load;
+pub use load::{check_format, load};
 pub use material::{Dielectric, Material};
+pub(crate) use warnings::listed;
+pub(crate) use weld::Surface as GlassSurface;
 
 use glam::{DVec3, Vec3};
 use std::path::PathBuf;
@@ -63,6 +68,11 @@ pub struct Triangle {
     pub normal: Option<[u32; 3]>,
     /// Index into [`Scene::materials`].
     pub material: u32,
+}
+
+/// The surfaces of glass of a scene.
+pub(crate) fn glass_surfaces(scene: &Scene) -> Vec<GlassSurface> {
+    weld::surfaces(&scene.mesh, &scene.materials)
 }
 
 impl Scene {

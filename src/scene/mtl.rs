@@ -7,6 +7,7 @@ use super::text;
 use super::warnings::Warnings;
 use crate::Result;
 use crate::bands::{BANDS, Bands};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A value and the line that it stands on.
@@ -42,6 +43,8 @@ pub(crate) struct RawMaterial {
     pub(crate) line: usize,
     /// Set by a scene file.
     pub(crate) kind: Option<Kind>,
+    /// Set by a scene file: whether glass is a pane without thickness.
+    pub(crate) thin: Option<At<bool>>,
     /// Diffuse reflectance.
     pub(crate) kd: Option<At<Bands>>,
     /// Specular or glossy reflectance.
@@ -152,37 +155,63 @@ fn at_bands(rest: &str, line: usize) -> Result<Option<At<Bands>>, &'static str> 
     Ok(Some(At { value, line }))
 }
 
-/// The libraries that an `mtllib` statement names: the whole rest of the line as one name where such a file
-/// exists, otherwise each of its words.
-pub(crate) fn locate(names: &str, directory: &Path) -> Vec<Result<PathBuf, String>> {
-    if let Some(path) = find(names, directory) {
-        return vec![Ok(path)];
-    }
-    if names.split_whitespace().count() < 2 {
-        return vec![Err(names.to_owned())];
-    }
-    names.split_whitespace().map(|name| find(name, directory).ok_or_else(|| name.to_owned())).collect()
+/// Looks for material libraries beside a mesh; each folder is listed once.
+pub(crate) struct Finder<'a> {
+    directory: &'a Path,
+    /// For each folder its files by their names in small letters, the first by name where several agree.
+    listings: HashMap<PathBuf, HashMap<String, PathBuf>>,
 }
 
-/// Finds a file by name: as written, with `\` as `/`, in any case, or by its last part in the same folder.
-fn find(name: &str, directory: &Path) -> Option<PathBuf> {
-    let name = name.trim().trim_matches('"').replace('\\', "/");
-    if name.is_empty() || name.contains('\0') {
-        return None;
+impl<'a> Finder<'a> {
+    /// Looks in `directory` and below.
+    pub(crate) fn new(directory: &'a Path) -> Self {
+        Self { directory, listings: HashMap::new() }
     }
-    let last_part = name.rsplit('/').next().unwrap_or(&name).to_owned();
-    [name, last_part].iter().find_map(|candidate| {
-        let path = directory.join(candidate);
-        if path.is_file() {
-            return Some(path);
+
+    /// The libraries that an `mtllib` statement names: the whole rest of the line as one name where such a file
+    /// exists, otherwise each of its words.
+    pub(crate) fn locate(&mut self, names: &str) -> Vec<Result<PathBuf, String>> {
+        if let Some(path) = self.find(names) {
+            return vec![Ok(path)];
         }
-        let wanted = path.file_name()?.to_str()?.to_lowercase();
-        let mut entries: Vec<_> =
-            std::fs::read_dir(path.parent()?).ok()?.flatten().map(|e| e.path()).collect();
-        entries.sort();
-        entries.into_iter().find(|entry| {
-            let file_name = entry.file_name().and_then(|n| n.to_str()).map(str::to_lowercase);
-            file_name.as_deref() == Some(&wanted) && entry.is_file()
+        if names.split_whitespace().count() < 2 {
+            return vec![Err(names.to_owned())];
+        }
+        names.split_whitespace().map(|name| self.find(name).ok_or_else(|| name.to_owned())).collect()
+    }
+
+    /// Finds a file by name: as written, with `\` as `/`, in any case, or by its last part in the same folder.
+    fn find(&mut self, name: &str) -> Option<PathBuf> {
+        let name = name.trim().trim_matches('"').replace('\\', "/");
+        if name.is_empty() || name.contains('\0') {
+            return None;
+        }
+        let last_part = name.rsplit('/').next().unwrap_or(&name).to_owned();
+        [name, last_part].iter().find_map(|candidate| {
+            let path = self.directory.join(candidate);
+            if path.is_file() {
+                return Some(path);
+            }
+            let wanted = path.file_name()?.to_str()?.to_lowercase();
+            let folder = path.parent()?;
+            if !self.listings.contains_key(folder) {
+                self.listings.insert(folder.to_owned(), listing(folder));
+            }
+            self.listings.get(folder)?.get(&wanted).cloned()
         })
-    })
+    }
+}
+
+/// The files of a folder by their names in small letters.
+fn listing(folder: &Path) -> HashMap<String, PathBuf> {
+    let mut entries: Vec<_> =
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path()).collect();
+    entries.sort();
+    let mut files = HashMap::new();
+    for entry in entries.into_iter().filter(|e| e.is_file()) {
+        if let Some(name) = entry.file_name().and_then(|n| n.to_str()).map(str::to_lowercase) {
+            files.entry(name).or_insert(entry);
+        }
+    }
+    files
 }

@@ -3,9 +3,10 @@
 //! reads   an OBJ file, cleaned by `clean.rs`, parsed by tobj
 //! writes  triangles with flat or smooth normals, and for each the name of its material
 
-use super::mtl::{self, RawMaterial};
-use super::warnings::Warnings;
-use super::{Mesh, Triangle, clean, polygon, text};
+use super::clean::{self, Clean};
+use super::mtl::{self, Finder, RawMaterial};
+use super::warnings::{Named, Warnings};
+use super::{Mesh, Triangle, polygon, text};
 use crate::{Error, Result, input};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -21,11 +22,15 @@ const MAX_COORDINATE: f64 = 1e15;
 /// Bytes of memory that a face takes while it is read, at least: three corners and normals of the parser, and a triangle.
 const MEMORY_PER_FACE: u64 = (6 * size_of::<u32>() + size_of::<Triangle>()) as u64;
 
-/// A mesh file before its materials are looked up.
+/// A mesh file, read once; it may be placed several times.
 #[derive(Debug)]
 pub(crate) struct ObjFile {
-    /// Triangles; [`Triangle::material`] indexes `materials`.
-    pub(crate) mesh: Mesh,
+    path: PathBuf,
+    clean: Clean,
+    parsed: Option<tobj::Mesh>,
+    normals: Vec<DVec3>,
+    /// For each material of the file its place in `materials`.
+    index_of: HashMap<Option<usize>, u32>,
     /// Materials in order of first use: name (none before any `usemtl`) and the line of the first face.
     pub(crate) materials: Vec<(Option<String>, usize)>,
     /// All that the material libraries define.
@@ -34,46 +39,61 @@ pub(crate) struct ObjFile {
     pub(crate) files: Vec<PathBuf>,
 }
 
-/// Reads an OBJ file; positions become `scale` · position + `translate`.
-pub(crate) fn read(path: &Path, scale: f64, translate: DVec3, warnings: &mut Warnings) -> Result<ObjFile> {
+/// Reads an OBJ file and its libraries.
+pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<ObjFile> {
     let source = text::read(path)?;
-    let clean = clean::clean(&source, path, warnings)?;
+    let mut clean = clean::clean(&source, path, warnings)?;
     input::check_memory(path, clean.faces.len() as u64 * MEMORY_PER_FACE)?;
     let mut files = vec![path.to_owned()];
     let library = libraries(&clean, path, &mut files, warnings);
-    let mut builder = Builder { path, mesh: Mesh::default(), normal_of: HashMap::new(), warnings };
-    let mut materials: Vec<(Option<String>, usize)> = Vec::new();
-    if clean.faces.is_empty() {
-        return Ok(ObjFile { mesh: builder.mesh, materials, library, files });
-    }
-    let parsed = parse(&clean.text, path)?;
-    builder.mesh.positions =
-        parsed.positions.as_chunks::<3>().0.iter().map(|&p| DVec3::from(p) * scale + translate).collect();
-    if builder.mesh.positions.iter().any(|p| p.abs().max_element() > MAX_COORDINATE) {
-        let remedy = "use a larger unit of length";
-        return Err(Error::scene(path, None, format!("a coordinate is beyond {MAX_COORDINATE:e}"), remedy));
-    }
-    let normals: Vec<DVec3> = parsed.normals.as_chunks::<3>().0.iter().map(|&n| DVec3::from(n)).collect();
+    let parsed = if clean.faces.is_empty() { None } else { Some(parse(&clean.text, path)?) };
+    clean.text = String::new();
     let mut index_of: HashMap<Option<usize>, u32> = HashMap::new();
-    let mut start = 0;
-    // tobj leaves the arities out where all faces are triangles.
-    let arities = parsed.face_arities.iter().copied().chain(std::iter::repeat(3));
-    for (face, arity) in clean.faces.iter().zip(arities) {
-        let end = start + arity as usize;
-        let material = *index_of.entry(face.material).or_insert_with(|| {
+    let mut materials: Vec<(Option<String>, usize)> = Vec::new();
+    for face in &clean.faces {
+        index_of.entry(face.material).or_insert_with(|| {
             materials.push((face.material.map(|m| clean.materials[m].clone()), face.line));
             materials.len() as u32 - 1
         });
-        builder.face(
-            face.line,
-            &parsed.indices[start..end],
-            &parsed.normal_indices[start..end],
-            &normals,
-            material,
-        );
-        start = end;
     }
-    Ok(ObjFile { mesh: builder.mesh, materials, library, files })
+    let given = parsed.iter().flat_map(|p: &tobj::Mesh| p.normals.as_chunks::<3>().0);
+    let normals = given.map(|&n| DVec3::from(n)).collect();
+    Ok(ObjFile { path: path.to_owned(), clean, parsed, normals, index_of, materials, library, files })
+}
+
+impl ObjFile {
+    /// The triangles, with `scale` · position + `translate`; [`Triangle::material`] indexes `materials`.
+    pub(crate) fn place(&self, scale: f64, translate: DVec3, warnings: &mut Warnings) -> Result<Mesh> {
+        let path = &self.path;
+        let mut builder = Builder { path, mesh: Mesh::default(), normal_of: HashMap::new(), warnings };
+        let Some(parsed) = &self.parsed else { return Ok(builder.mesh) };
+        let placed = |&p: &[f64; 3]| DVec3::from(p) * scale + translate;
+        builder.mesh.positions = parsed.positions.as_chunks::<3>().0.iter().map(placed).collect();
+        if builder.mesh.positions.iter().any(|p| p.abs().max_element() > MAX_COORDINATE) {
+            let remedy = "use a larger unit of length";
+            return Err(Error::scene(
+                path,
+                None,
+                format!("a coordinate is beyond {MAX_COORDINATE:e}"),
+                remedy,
+            ));
+        }
+        let mut start = 0;
+        // tobj leaves the arities out where all faces are triangles.
+        let arities = parsed.face_arities.iter().copied().chain(std::iter::repeat(3));
+        for (face, arity) in self.clean.faces.iter().zip(arities) {
+            let end = start + arity as usize;
+            builder.face(
+                face.line,
+                &parsed.indices[start..end],
+                &parsed.normal_indices[start..end],
+                &self.normals,
+                self.index_of[&face.material],
+            );
+            start = end;
+        }
+        Ok(builder.mesh)
+    }
 }
 
 /// Parses cleaned text: a single model, polygons kept.
@@ -86,25 +106,43 @@ fn parse(text: &str, path: &Path) -> Result<tobj::Mesh> {
     models.into_iter().next().map(|model| model.mesh).ok_or_else(|| fault(tobj::LoadError::FaceParseError))
 }
 
-/// Reads the libraries that the file names, and adds them to `files`; one that is missing or unreadable is a warning.
+/// Reads the libraries that the file names, each once, in the order in which they are named last: of two definitions the
+/// later counts. One that is missing or unreadable is a warning. Adds them to `read`.
 fn libraries(
-    clean: &clean::Clean,
+    clean: &Clean,
     path: &Path,
-    files: &mut Vec<PathBuf>,
+    read: &mut Vec<PathBuf>,
     warnings: &mut Warnings,
 ) -> Vec<RawMaterial> {
-    let directory = path.parent().unwrap_or(Path::new(""));
-    let mut library = Vec::new();
-    for (line, names) in &clean.libraries {
-        for found in mtl::locate(names, directory) {
-            files.extend(found.iter().cloned());
-            match found.map(|file| mtl::read(&file, warnings)) {
-                Ok(Ok(materials)) => library.extend(materials),
-                Ok(Err(error)) => warnings.add(path, Some(*line), error.to_string()),
+    let mut finder = Finder::new(path.parent().unwrap_or(Path::new("")));
+    let mut named: HashMap<&str, Vec<Result<PathBuf, String>>> = HashMap::new();
+    // where each file is named first, and last
+    let mut places: HashMap<PathBuf, [usize; 2]> = HashMap::new();
+    for (place, (line, names)) in clean.libraries.iter().enumerate() {
+        for found in named.entry(names).or_insert_with(|| finder.locate(names)) {
+            match found {
+                Ok(file) => match places.get_mut(file) {
+                    Some([_, last]) => *last = place,
+                    None => drop(places.insert(file.clone(), [place; 2])),
+                },
                 Err(name) => {
-                    warnings.add(path, Some(*line), format!("material library \"{name}\" is not found"));
+                    let kind = Named {
+                        noun: ["material library", "material libraries"],
+                        what: [" is not found", " are not found"],
+                    };
+                    warnings.add_named(path, Some(*line), kind, name, String::new);
                 }
             }
+        }
+    }
+    let mut files: Vec<(PathBuf, [usize; 2])> = places.into_iter().collect();
+    files.sort_by(|(a, [_, p]), (b, [_, q])| p.cmp(q).then_with(|| a.cmp(b)));
+    let mut library = Vec::new();
+    read.extend(files.iter().map(|(file, _)| file.clone()));
+    for (file, [first, _]) in files {
+        match mtl::read(&file, warnings) {
+            Ok(materials) => library.extend(materials),
+            Err(error) => warnings.add(path, Some(clean.libraries[first].0), error.to_string()),
         }
     }
     library

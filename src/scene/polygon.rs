@@ -3,7 +3,12 @@
 // Convex faces become a fan from the first corner (the split that exporters assume); others are cut by ears in
 // the plane of their mean normal. Either way the triangles turn the way the face turns.
 
+use super::ears;
 use glam::{DVec2, DVec3};
+
+/// Polygons of more corners are cut by ears in a time that does not grow as their square; convex ones, too, because a fan of
+/// so many slivers makes every ray that comes near meet most of them.
+const MANY: usize = 512;
 
 /// Triangles, as indices into `corners`, of a face.
 pub(crate) fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
@@ -13,6 +18,10 @@ pub(crate) fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
         return fan();
     }
     let flat = project(corners);
+    if count > MANY {
+        let triangles = ears::cut(&flat);
+        return if triangles.is_empty() { fan() } else { triangles };
+    }
     if is_convex(&flat) {
         return fan();
     }

@@ -18,7 +18,7 @@
 //! 8. d or Tr never make an opaque material transparent: cut-outs are not supported.
 
 use super::mtl::{At, Kind, RawMaterial};
-use super::warnings::Warnings;
+use super::warnings::{Named, Warnings};
 use super::{Dielectric, Material};
 use crate::bands::{self, BANDS, BLACK, Bands};
 use crate::{Error, Result};
@@ -44,7 +44,9 @@ const ALBEDO_SLACK: f32 = 1e-6;
 pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Material> {
     check(raw)?;
     let mut warn = |line: Option<usize>, what: &str| {
-        warnings.add(&raw.file, line.or(Some(raw.line)), format!("material \"{}\": {what}", raw.name));
+        let what = format!(": {what}");
+        let kind = Named { noun: ["material", "materials"], what: [&what, &what] };
+        warnings.add_named(&raw.file, line.or(Some(raw.line)), kind, &raw.name, String::new);
     };
     if let Some(line) = raw.map_kd.or(raw.other_map) {
         warn(Some(line), "textures are not supported; its plain colours are used");

@@ -6,7 +6,7 @@
 use super::light::Light;
 use super::mtl::{At, Kind, RawMaterial};
 use super::table::{Table, parse};
-use super::text;
+use super::text::{self, Lines};
 use crate::bands::Bands;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -68,7 +68,8 @@ pub(crate) struct MeshEntry {
 pub(crate) fn read(path: &Path) -> Result<Description> {
     let source = text::read(path)?;
     let root = parse(&source, path)?;
-    let root = Table::new(path, &source, "the scene", root.get_ref(), root.span());
+    let lines = Lines::of(&source);
+    let root = Table::new(path, &lines, "the scene", root.get_ref(), root.span());
     root.allow(&["camera", "film", "mesh", "light", "material"])?;
     let camera = root.table("camera")?.map(camera).transpose()?;
     let size = root.table("film")?.map(film).transpose()?.unwrap_or(DEFAULT_SIZE);
@@ -187,8 +188,8 @@ fn spot(table: Table) -> Result<Light> {
         position,
         direction,
         intensity: power(&table, "intensity")?,
-        cos_inner: angles[0].to_radians().cos(),
-        cos_outer: angles[1].to_radians().cos(),
+        angle_inner: angles[0].to_radians(),
+        angle_outer: angles[1].to_radians(),
     })
 }
 
@@ -216,7 +217,7 @@ fn power(table: &Table, key: &str) -> Result<Bands> {
 
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
 fn material(table: Table, path: &Path) -> Result<RawMaterial> {
-    table.allow(&["name", "type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness"])?;
+    table.allow(&["name", "type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness", "thin"])?;
     let kind = table.optional_string("type")?;
     let kind = match kind.as_ref().map(|k| (k.value.as_str(), k.line)) {
         None => None,
@@ -239,6 +240,7 @@ fn material(table: Table, path: &Path) -> Result<RawMaterial> {
         file: path.to_owned(),
         line: table.line(),
         kind,
+        thin: table.boolean("thin")?,
         kd: table.bands("kd")?,
         ks: table.bands("ks")?,
         ke: table.bands("ke")?,

@@ -1,7 +1,7 @@
 // Table: typed access to a TOML table in which every fault names its line.
 
 use super::mtl::At;
-use super::text;
+use super::text::{self, Lines};
 use crate::bands::{BANDS, Bands};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -22,7 +22,7 @@ pub(crate) fn parse<'a>(source: &'a str, path: &Path) -> Result<Spanned<DeTable<
 #[derive(Clone)]
 pub(crate) struct Table<'a> {
     path: &'a Path,
-    source: &'a str,
+    lines: &'a Lines,
     /// What the user calls it: `[camera]`.
     name: String,
     entries: &'a DeTable<'a>,
@@ -33,17 +33,17 @@ impl<'a> Table<'a> {
     /// Wraps a parsed table.
     pub(crate) fn new(
         path: &'a Path,
-        source: &'a str,
+        lines: &'a Lines,
         name: impl Into<String>,
         entries: &'a DeTable<'a>,
         span: Range<usize>,
     ) -> Self {
-        Self { path, source, name: name.into(), entries, span }
+        Self { path, lines, name: name.into(), entries, span }
     }
 
     /// Line of its header, from 1.
     pub(crate) fn line(&self) -> usize {
-        text::line_at(self.source, self.span.start)
+        self.lines.at(self.span.start)
     }
 
     /// A fault at a line of this file.
@@ -71,7 +71,7 @@ impl<'a> Table<'a> {
         keys.sort_by_key(|key| key.span().start);
         match keys.into_iter().find(|key| !known.contains(&key.get_ref().as_ref())) {
             Some(key) => {
-                let line = text::line_at(self.source, key.span().start);
+                let line = self.lines.at(key.span().start);
                 Err(self.unknown(line, &format!("key in {}:", self.name), key.get_ref(), known))
             }
             None => Ok(()),
@@ -80,7 +80,7 @@ impl<'a> Table<'a> {
 
     fn get(&self, key: &str) -> Option<(&'a DeValue<'a>, usize, Range<usize>)> {
         let value = self.entries.get(key)?;
-        Some((value.get_ref(), text::line_at(self.source, value.span().start), value.span()))
+        Some((value.get_ref(), self.lines.at(value.span().start), value.span()))
     }
 
     fn wrong(&self, key: &str, line: usize, expected: &str) -> Error {
@@ -92,7 +92,7 @@ impl<'a> Table<'a> {
         match self.get(key) {
             None => Ok(None),
             Some((DeValue::Table(entries), _, span)) => {
-                Ok(Some(Table::new(self.path, self.source, format!("[{key}]"), entries, span)))
+                Ok(Some(Table::new(self.path, self.lines, format!("[{key}]"), entries, span)))
             }
             Some((_, line, _)) => Err(self.wrong(key, line, &format!("a table: [{key}]"))),
         }
@@ -105,9 +105,9 @@ impl<'a> Table<'a> {
         let DeValue::Array(items) = value else { return Err(self.wrong(key, line, &expected)) };
         let table = |item: &'a Spanned<DeValue<'a>>| match item.get_ref() {
             DeValue::Table(entries) => {
-                Ok(Table::new(self.path, self.source, format!("[[{key}]]"), entries, item.span()))
+                Ok(Table::new(self.path, self.lines, format!("[[{key}]]"), entries, item.span()))
             }
-            _ => Err(self.wrong(key, text::line_at(self.source, item.span().start), &expected)),
+            _ => Err(self.wrong(key, self.lines.at(item.span().start), &expected)),
         };
         items.iter().map(table).collect()
     }
@@ -125,6 +125,15 @@ impl<'a> Table<'a> {
                 Ok(Some(At { value: value.clone().into_owned(), line }))
             }
             Some((_, line, _)) => Err(self.wrong(key, line, "a text in quotes")),
+        }
+    }
+
+    /// True or false.
+    pub(crate) fn boolean(&self, key: &str) -> Result<Option<At<bool>>> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::Boolean(value), line, _)) => Ok(Some(At { value: *value, line })),
+            Some((_, line, _)) => Err(self.wrong(key, line, "true or false")),
         }
     }
 

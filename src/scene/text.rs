@@ -61,20 +61,30 @@ pub(crate) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
             if text.starts_with('#') {
                 continue; // also where it ends in a backslash, as Windows paths in comments do
             }
-            while text.ends_with('\\') {
-                let mut joined = text.into_owned();
-                joined.pop();
-                if let Some((_, next)) = lines.next() {
-                    joined.push(' ');
-                    joined.push_str(&clean(next));
-                }
-                text = Cow::Owned(joined.trim().to_owned());
+            if text.ends_with('\\') {
+                text = Cow::Owned(continued(text.into_owned(), &mut lines));
             }
             if !text.is_empty() {
                 return Some(Statement { line: index + 1, text });
             }
         }
     })
+}
+
+/// A statement whose text ends in a backslash, with the lines that continue it. Each is appended in place: a statement of
+/// many lines costs what it is long.
+fn continued<'a>(mut text: String, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> String {
+    while text.ends_with('\\') {
+        text.pop();
+        if let Some((_, next)) = lines.next() {
+            if !text.is_empty() {
+                text.push(' ');
+            }
+            text.push_str(&clean(next));
+        }
+        text.truncate(text.trim_end().len());
+    }
+    text
 }
 
 /// Lines that end in LF, CRLF or CR.
@@ -107,12 +117,33 @@ pub(crate) fn line_at(text: &str, offset: usize) -> usize {
     1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count()
 }
 
+/// Where the lines of a text begin: tells the line of any offset without counting again.
+pub(crate) struct Lines {
+    /// Offsets of the line feeds, rising.
+    ends: Vec<usize>,
+}
+
+impl Lines {
+    /// Looks for the lines of a text.
+    pub(crate) fn of(text: &str) -> Self {
+        Self { ends: text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect() }
+    }
+
+    /// Line, from 1, of a byte offset.
+    pub(crate) fn at(&self, offset: usize) -> usize {
+        1 + self.ends.partition_point(|&end| end < offset)
+    }
+}
+
 /// `; did you mean "…"?` for the candidate that is nearest in spelling, or nothing.
 pub(crate) fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     /// Below this Jaro–Winkler similarity two words are not taken for a slip of the keyboard.
     const LEAST_SIMILARITY: f64 = 0.75;
+    /// Longer words, in bytes, are not compared: that takes the product of both lengths.
+    const LONGEST: usize = 128;
     candidates
         .into_iter()
+        .filter(|c| word.len().max(c.len()) <= LONGEST)
         .map(|c| (strsim::jaro_winkler(&word.to_lowercase(), &c.to_lowercase()), c))
         .filter(|(similarity, _)| *similarity >= LEAST_SIMILARITY)
         .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -141,6 +172,17 @@ mod tests {
     fn continuation_keeps_first_line() {
         assert_eq!(numbered("f 1 \\\n2 3\nv\n"), [(1, "f 1  2 3".into()), (3, "v".into())]);
         assert_eq!(numbered("f 1 \\"), [(1, "f 1".into())]);
+        assert_eq!(numbered("\\\n \\\nf 1 \\ \n\\\n\n2"), [(1, "f 1".into()), (6, "2".into())]);
+    }
+
+    /// The line of an offset is found as by counting.
+    #[test]
+    fn lines_are_counted_once() {
+        let text = "a\n\nbc\nd";
+        let lines = Lines::of(text);
+        for offset in 0..=text.len() {
+            assert_eq!(lines.at(offset), line_at(text, offset), "{offset}");
+        }
     }
 
     /// Latin-1 and UTF-16 give the same text as UTF-8.

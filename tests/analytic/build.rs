@@ -187,6 +187,11 @@ pub fn clear(ior: f32) -> Material {
     Material { dielectric: Some(d), ..Material::matte("clear", [0.0; 3]) }
 }
 
+/// A pane without thickness.
+pub fn pane(ior: f32) -> Material {
+    Material { thin: true, ..clear(ior) }
+}
+
 /// Unpolarised reflectance from index 1 into `ior` at an angle of incidence in radians, by Fresnel's sines and tangents:
 /// not the form that the renderers use.
 pub fn reflectance(angle: f64, ior: f64) -> f64 {

@@ -91,8 +91,8 @@ fn spot_light_falls_off_in_its_ring() {
             position,
             direction: to_floor * angle.cos() + sideways * angle.sin(),
             intensity: STRENGTH,
-            cos_inner: inner,
-            cos_outer: outer,
+            angle_inner: f64::acos(inner),
+            angle_outer: f64::acos(outer),
         });
         let irradiance = share * position.z / position.length().powi(3);
         // the ring is steep: a spot 0.01 wide is not quite a point

@@ -1,6 +1,6 @@
 //! Plane boundaries: Fresnel, total reflection, and the change of radiance and irradiance behind them.
 
-use crate::build::{Build, clear, glowing, matte, reflectance, v, wide};
+use crate::build::{Build, clear, glowing, matte, pane, reflectance, v, wide};
 use crate::harness::{everyone, mappers, render};
 use joton::film::Layer;
 use joton::scene::Light;
@@ -28,6 +28,63 @@ fn slab_transmits_by_two_interfaces() {
             // noise of some 30,000 jotons, 10,000 at 70°
             shot.claim(&format!("slab {degrees}°"), shot.layer(Layer::Caustic), want, 0.03);
             shot.claim(&format!("slab {degrees}°, direct"), shot.layer(Layer::Direct), [0.0; 3], 0.0);
+        }
+    }
+}
+
+/// [A6] The floor behind a single quad of thin glass has what the closed slab lets through: times (1−R)/(1+R), whichever way
+/// the quad looks, and where the pane puts no bend into the light: the shadow of a plate on the pane is in its place.
+#[test]
+fn pane_transmits_as_the_slab_does() {
+    for (degrees, looks_up) in [(0f64, true), (45.0, false), (70.0, true)] {
+        let angle = degrees.to_radians();
+        let mut b = Build::new(v(0., -0.1, 0.17), v(0., 0., 0.), 0.4, 16);
+        b.floor(v(0., 0., 0.), 0.5, &matte(ALBEDO));
+        let (corner, x, y) = (v(-1.1, -0.4, 0.2), v(1.5, 0., 0.), v(0., 0.8, 0.));
+        if looks_up {
+            b.quad(corner, x, y, &pane(1.5));
+        } else {
+            b.quad(corner, y, x, &pane(1.5));
+        }
+        b.sun(v(angle.sin(), 0., -angle.cos()), SUN);
+        let r = reflectance(angle, 1.5);
+        let irradiance = angle.cos() * (1.0 - r) / (1.0 + r);
+        let want = std::array::from_fn(|i| wide(ALBEDO)[i] / PI * wide(SUN)[i] * irradiance);
+        for who in mappers() {
+            let shot = render(who, &b.0, "LDE|LS+DE", 48);
+            // noise of some 30,000 jotons, 10,000 at 70°
+            shot.claim(&format!("pane {degrees}°"), shot.layer(Layer::Caustic), want, 0.03);
+            shot.claim(&format!("pane {degrees}°, direct"), shot.layer(Layer::Direct), [0.0; 3], 0.0);
+        }
+    }
+}
+
+/// [A6] What a thin pane shows: 2R/(1+R) of the sky before it and the rest of the floor behind it, from either side, not
+/// bent and not scaled by an index.
+#[test]
+fn pane_mixes_what_lies_on_both_sides() {
+    for (degrees, looks_up) in [(0f64, false), (45.0, true), (70.0, false)] {
+        let angle = degrees.to_radians();
+        let from = v(angle.sin(), 0., angle.cos());
+        let mut b = Build::new(from, v(0., 0., 0.), 0.005, 8);
+        b.cuboid(v(-5., -5., -5.), v(5., 5., 5.), false, &glowing([1.0, 0.0, 0.5], [0.0; 3]));
+        // where the line of sight ends if nothing bends it: bent, it would miss this plate
+        let seen = -from / from.z * 0.5;
+        b.floor(seen, 0.05, &glowing([0.0, 1.0, 0.5], [0.0; 3]));
+        match looks_up {
+            true => b.floor(v(0., 0., 0.), 4.0, &pane(1.5)),
+            false => b.ceiling(v(0., 0., 0.), 4.0, &pane(1.5)),
+        }
+        let face = reflectance(angle, 1.5);
+        let r = 2.0 * face / (1.0 + face);
+        for who in everyone() {
+            let shot = render(who, &b.0, "LS*E", 512);
+            let seen = shot.layer(Layer::Emission);
+            let what = format!("at {degrees}°, front up {looks_up}");
+            // a pixel shows either side: of 32,768 samples 8 % reflect straight down, a noise of 2 %
+            shot.claim_band(&format!("sky {what}"), seen, 0, r, if r < 0.15 { 0.08 } else { 0.03 });
+            shot.claim_band(&format!("floor {what}"), seen, 1, 1.0 - r, 0.02);
+            shot.claim_band(&format!("both {what}"), seen, 2, 0.5, 0.01);
         }
     }
 }
@@ -107,8 +164,8 @@ fn total_reflection_keeps_the_beam_under_water() {
             position: v(-0.5, 0., -0.2),
             direction: v(angle.sin(), 0., angle.cos()),
             intensity: SUN,
-            cos_inner: 2.8f64.to_radians().cos(),
-            cos_outer: 3f64.to_radians().cos(),
+            angle_inner: 2.8f64.to_radians(),
+            angle_outer: 3f64.to_radians(),
         });
         b
     };

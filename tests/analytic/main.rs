@@ -8,6 +8,7 @@
 mod build;
 mod caustics;
 mod cie;
+mod contact;
 mod direct;
 mod estimate;
 mod exchange;
@@ -15,4 +16,6 @@ mod factors;
 mod furnace;
 mod glass;
 mod harness;
+mod lobes;
 mod partition;
+mod scale;

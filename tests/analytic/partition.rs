@@ -3,6 +3,7 @@
 use crate::build::{Build, Look, clear, glowing, matte, v};
 use crate::harness::{EVERYTHING, Renderer, Seen, everyone, mappers, render};
 use joton::film::Layer;
+use joton::scene::Material;
 
 /// A room with a glass ball under a glowing ceiling, large enough that a path tracer finds its caustics.
 fn room(size: u32) -> Build {
@@ -14,11 +15,30 @@ fn room(size: u32) -> Build {
     b
 }
 
+/// The same with a point light, and a floor whose lobe is followed and yet shows the point.
+fn polished_room(size: u32) -> Build {
+    let mut b = room(size);
+    b.point(v(0.3, -0.2, 0.5), [1.0; 3]);
+    let polished =
+        Material { glossy: [0.4; 3], glossy_exponent: 1000.0, ..Material::matte("polished", [0.3; 3]) };
+    b.floor(v(0., 0., -0.99), 0.99, &polished);
+    b
+}
+
 /// Sets of paths that share none and are all paths together add up to the image, pixel by pixel: the same random
 /// numbers, summed in another order.
 #[test]
 fn path_sets_add_up_to_the_whole() {
-    let b = room(16);
+    add_up(&room(16));
+}
+
+/// So do they where a lobe is followed by some paths and looked at by others.
+#[test]
+fn path_sets_add_up_where_lobes_are_narrow() {
+    add_up(&polished_room(8));
+}
+
+fn add_up(b: &Build) {
     for who in everyone() {
         let whole = render(who, &b.0, EVERYTHING, 8).pixels(&Layer::ALL);
         for sets in [

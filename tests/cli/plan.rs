@@ -52,3 +52,28 @@ fn memory_is_kept_to() {
     folder.fails("plan ring.toml --memory 100K", &["bytes", "102400", "--memory"]);
     folder.fails("render ring.toml --memory 12", &["--memory", "512M"]);
 }
+
+/// What `plan` tells of memory is kept by a render, on the device's side and the host's: the largest that it ever was lies below
+/// what is told and what a render of a few pixels takes for driver and program.
+#[test]
+fn memory_that_is_told_is_kept() {
+    let folder = Folder::new();
+    let read = |path| std::fs::read_to_string(path).expect("a report");
+    let peak = |size: &str| {
+        folder.done(&format!(
+            "render cornell.toml --size {size} --passes 1 --memory 48M -o a.exr --report a.json --quiet"
+        ));
+        let report: Value = serde_json::from_str(&read(folder.path("a.json"))).expect("JSON");
+        number(&report["peak_memory_bytes"])
+    };
+    let plan: Value =
+        serde_json::from_str(&folder.done("plan cornell.toml --size 800x800 --json --memory 48M").stdout)
+            .expect("JSON");
+    assert!(number(&plan["strips"]) > 1.0 && number(&plan["bytes"]) <= 48.0 * 1048576.0);
+    let told = number(&plan["bytes"]) + number(&plan["host_bytes"]);
+    assert!(
+        (number(&plan["host_bytes_per_pixel"]) * 640_000.0 / number(&plan["host_bytes"]) - 1.0).abs() < 1e-6
+    );
+    let (small, large) = (peak("8x8"), peak("800x800"));
+    assert!(large < small + told, "{large} bytes, {told} were told, {small} without");
+}

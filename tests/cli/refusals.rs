@@ -20,6 +20,8 @@ fn errors_are_one_line_and_leave_files_alone() {
         ("render broken.toml", &["broken.toml:1"]),
         ("render nothing.obj", &["nothing.obj"]),
         ("render cornell.mtl", &["cornell.mtl", ".toml", ".obj"]),
+        ("render .", &["joton: .: not a scene format", ".toml"]),
+        ("render ..", &["joton: ..: not a scene format"]),
         ("render", &["SCENE"]),
         ("render cornell.toml --size 0x5", &["0x5", "512x512"]),
         ("render cornell.toml --size 5", &["512x512"]),

@@ -154,8 +154,8 @@ fn radiance_under_small_lights_is_their_law() {
                 position: DVec3::new(0.5, 2.0, 0.0),
                 direction: DVec3::new(-0.2, -1.0, 0.1).normalize(),
                 intensity: [4.0; 3],
-                cos_inner: 0.97,
-                cos_outer: 0.8,
+                angle_inner: f64::acos(0.97),
+                angle_outer: f64::acos(0.8),
             });
         }),
         ("sun", |b| {

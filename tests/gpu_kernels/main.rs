@@ -12,3 +12,4 @@ mod map;
 mod radix;
 mod scan;
 mod trace;
+mod uniform_branches;

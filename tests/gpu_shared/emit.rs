@@ -6,8 +6,9 @@ use crate::common::scenes::{Builder, emitter, glass, three_glass_spheres};
 use crate::common::{Row, Snippet, dvec3, map_info, pass_info};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
+use joton::cpu::harness::emit;
 use joton::gpu::harness::Harness;
-use joton::pack::{PackedEmitter, PackedScene};
+use joton::pack::{Guide, PackedEmitter, PackedScene};
 use joton::plan::{Plan, Settings};
 use joton::scene::Light;
 use std::f64::consts::{PI, TAU};
@@ -26,6 +27,17 @@ fn add(sums: &mut Sums, flux: f64, direction: DVec3, origin: DVec3) {
 
 /// Emit COUNT jotons on the device.
 fn device_jotons(context: &joton::gpu::Context, scene: &PackedScene, caustic: bool) -> Vec<[Row; 3]> {
+    jotons_from(context, scene, caustic, 0, COUNT)
+}
+
+/// Emit so many jotons from this index of the sequences on.
+fn jotons_from(
+    context: &joton::gpu::Context,
+    scene: &PackedScene,
+    caustic: bool,
+    first: u64,
+    count: u32,
+) -> Vec<[Row; 3]> {
     let plan = Plan::new(scene, Settings::default());
     let mut harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
     let snippet = Snippet {
@@ -43,10 +55,44 @@ fn device_jotons(context: &joton::gpu::Context, scene: &PackedScene, caustic: bo
     pass.seed = 5;
     let mut map = map_info();
     map.emitted = COUNT;
+    (map.first_joton, map.first_joton_high) = (first as u32, (first >> 32) as u32);
     let per_pass: [(&str, &[u8]); 2] =
         [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&map))];
-    let inputs: Vec<[Row; 1]> = (0..COUNT).map(|i| [[i, 0, 0, 0]]).collect();
+    let inputs: Vec<[Row; 1]> = (0..count).map(|i| [[i, 0, 0, 0]]).collect();
     snippet.run_in(context, &mut harness, &per_pass, &inputs)
+}
+
+/// Pass p and pass p + 2^32 / jotons start jotons of their own, as the host says; and so do those that lie across a multiple
+/// of 2^32.
+#[test]
+fn starts_do_not_come_again() {
+    let context = device_or_return!();
+    const FEW: u32 = 512;
+    let scene = three_glass_spheres(|b| b.point_light([0.4, 1.2, -0.3], 3.0));
+    let period = (1u64 << 32) / u64::from(COUNT);
+    let firsts = [3, 3 + period, 3 + 5 * period].map(|pass| pass * u64::from(COUNT));
+    let mut seen: Vec<Vec<[Row; 3]>> = Vec::new();
+    for first in firsts.into_iter().chain([(1 << 32) - 100]) {
+        let found = jotons_from(context, &scene, true, first, FEW);
+        let (mut near, mut lit) = (0, 0);
+        for (number, [origin, direction, flux]) in (0u64..).zip(&found) {
+            let host = emit(&scene, &Guide::default(), 5, true, first + number, COUNT);
+            assert_eq!(host.is_some_and(|h| h.2[0] > 0.0), dvec3(*flux).x > 0.0, "{first} + {number}");
+            let Some((o, d, f)) = host.filter(|h| h.2[0] > 0.0) else { continue };
+            lit += 1;
+            let off = (dvec3(*origin) - o.as_dvec3()).length() / 1000.0
+                + (dvec3(*direction) - d.as_dvec3()).length();
+            let flux = (dvec3(*flux).x / f64::from(f[0]) - 1.0).abs();
+            near += u32::from(off < 1e-4 && flux < 1e-3);
+        }
+        // rounding may send one into another cone
+        assert!(lit > FEW / 4 && near + 2 >= lit, "from {first} on: {near} of {lit} are the host's");
+        for before in &seen {
+            let same = before.iter().zip(&found).filter(|(a, b)| a[..2] == b[..2]).count();
+            assert!(same < FEW as usize / 100, "from {first} on: {same} of {FEW} starts came before");
+        }
+        seen.push(found);
+    }
 }
 
 fn sums_of(jotons: &[[Row; 3]]) -> Sums {
@@ -111,7 +157,7 @@ fn start(e: &PackedEmitter, [a, b, c, d]: [f64; 4]) -> (DVec3, DVec3, f64) {
         1 => (origin, sphere(), 4.0 * PI),
         2 => {
             let direction = sphere();
-            let x = ((direction.dot(e1) - e2.y) / (e2.x - e2.y)).clamp(0.0, 1.0);
+            let x = ((e2.y - 1.0 + direction.dot(e1)) / (e2.y - e2.x)).clamp(0.0, 1.0);
             (origin, direction, 4.0 * PI * x * x * (3.0 - 2.0 * x))
         }
         _ => {
@@ -132,8 +178,8 @@ fn spot(b: &mut Builder) {
         position: DVec3::new(1.0, 1.5, 0.5),
         direction: DVec3::new(-1.0, -1.7, -0.5).normalize(),
         intensity: [2.0; 3],
-        cos_inner: 0.98,
-        cos_outer: 0.85,
+        angle_inner: f64::acos(0.98),
+        angle_outer: f64::acos(0.85),
     });
 }
 

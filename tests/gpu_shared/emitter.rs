@@ -91,10 +91,13 @@ fn a_million_emitters_are_picked_evenly() {
 fn spots_fall_off_as_a_smoothstep() {
     let context = device_or_return!();
     let mut inputs: Vec<[Row; 1]> = Vec::new();
-    for (inner, outer) in [(0.9f32, 0.8f32), (0.99, 0.5), (0.8, 0.8), (1.0, 0.0), (0.999_999, 0.999_998)] {
-        let edges = [outer, outer - 1e-3, inner, inner + 1e-3, 1.0, -1.0, 0.5 * (inner + outer)];
-        let cosines = edges.into_iter().chain((0..300).map(|i| random(31, i)[0] * 2.0 - 1.0));
-        inputs.extend(cosines.map(|c| [row([c.min(1.0), inner, outer, 0.0])]));
+    // 1 − cos; the last are those of .01° and .001°
+    for (inner, outer) in
+        [(0.1f32, 0.2f32), (0.01, 0.5), (0.2, 0.2), (0.0, 1.0), (1e-8, 1.5e-8), (1e-10, 1.5e-10)]
+    {
+        let edges = [outer, 1.001 * outer, inner, 0.999 * inner, 0.0, 2.0, 0.5 * (inner + outer)];
+        let all = edges.into_iter().chain((0..300).map(|i| random(31, i)[0] * (2.0 * outer).min(2.0)));
+        inputs.extend(all.map(|at| [row([at, inner, outer, 0.0])]));
     }
     let code = "let i = in_f(0u); out_f(0u, vec4(spot_falloff(i.x, i.y, i.z), 0.0, 0.0, 0.0));";
     let snippet = Snippet { imports: &["shared/emitter.wgsl"], declarations: EMITTERS, code, overrides: &[] };
@@ -102,19 +105,15 @@ fn spots_fall_off_as_a_smoothstep() {
     harness.storage("emitters", &table(&[1.0]));
     let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
     for ([i], [o]) in inputs.iter().zip(out) {
-        let [c, inner, outer, _] = floats(*i).map(f64::from);
-        let x = ((c - outer) / (inner - outer).max(1e-7)).clamp(0.0, 1.0);
+        let [at, inner, outer, _] = floats(*i).map(f64::from);
+        let x = ((outer - at) / (outer - inner).max(1e-30)).clamp(0.0, 1.0);
+        let want = if at <= inner { 1.0 } else { x * x * (3.0 - 2.0 * x) };
         let got = f64::from(floats(o)[0]);
-        // the slope is 1.5 over the width of the ring, in which f32 has 6e-8
-        let tolerance = 1e-5 + 2e-7 / (inner - outer).max(1e-7);
-        assert!(
-            (got - x * x * (3.0 - 2.0 * x)).abs() < tolerance,
-            "cos {c} between {inner} and {outer}: {got}"
-        );
-        if c <= outer - 1e-6 {
+        assert!((got - want).abs() < 1e-5, "1 − cos {at} between {inner} and {outer}: {got} for {want}");
+        if at >= outer && outer > inner {
             assert_eq!(got, 0.0);
         }
-        if c >= inner + 1e-6 && inner > outer {
+        if at <= inner {
             assert_eq!(got, 1.0);
         }
     }

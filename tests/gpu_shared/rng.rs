@@ -50,6 +50,24 @@ fn integer_mappings_are_rusts() {
     }
 }
 
+/// Indices of 64 bits: sums, products and the seeds of high words are those of Rust's own u64.
+#[test]
+fn wide_indices_are_rusts() {
+    let context = device_or_return!();
+    let inputs = words(4096);
+    let code = "let i = in_u(0u);
+        out_u(0u, vec4(wide_sum(i.xy, i.z), wide_product(i.x, i.w)));
+        out_u(1u, vec4(seed_at(i.x, i.y), 0u, 0u, 0u));";
+    let out: Vec<[Row; 2]> = Snippet::new(IMPORTS, code).run(context, &inputs);
+    let split = |x: u64| [x as u32, (x >> 32) as u32];
+    for ([i], [o, seed]) in inputs.iter().zip(out) {
+        let [x, y, z, w] = i.map(u64::from);
+        assert_eq!(o[..2], split((y << 32 | x).wrapping_add(z)), "{i:x?}");
+        assert_eq!(o[2..], split(x * w), "{i:x?}");
+        assert_eq!(seed[0], rng::seed_at(i[0], i[1]), "{i:x?}");
+    }
+}
+
 #[test]
 fn numbers_are_rusts_and_below_one() {
     let context = device_or_return!();

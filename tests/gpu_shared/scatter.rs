@@ -23,12 +23,13 @@ fn harness(context: &joton::gpu::Context) -> Harness<'_> {
     let mut harness = Harness::with_scene(context, &packed, &plan).unwrap_or_else(|e| panic!("{e}"));
     let rough =
         Material { glossy: [0.9; 3], glossy_exponent: 2000.0, ..Material::matte("rough mirror", [0.0; 3]) };
+    let pane = Material { thin: true, ..glass(1.5) };
     let materials: Vec<PackedMaterial> =
-        [Material::matte("m", [0.5; 3]), glass(1.5), crate::common::scenes::mirror(0.9), rough]
+        [Material::matte("m", [0.5; 3]), glass(1.5), crate::common::scenes::mirror(0.9), rough, pane]
             .iter()
             .map(PackedMaterial::new)
             .collect();
-    assert!(materials[3].specular_exponent > 0.0, "lobes this sharp are S events");
+    assert!(materials[3].specular_exponent > 0.0, "lobes this sharp are followed");
     harness.storage("materials", &materials);
     harness
 }
@@ -132,4 +133,41 @@ fn specular_events_mirror_and_refract() {
         }
     }
     assert!(below > 0, "no lobe dipped below the surface");
+}
+
+/// A thin pane lets light go straight on, scales nothing and reflects 2R/(1+R), the same from both sides; R by Fresnel's sines
+/// and tangents.
+#[test]
+fn panes_bend_nothing() {
+    let context = device_or_return!();
+    let inputs: Vec<[Row; 2]> = (0..2000)
+        .map(|i| {
+            let n = random_direction(17, i);
+            let d = random_direction(18, i);
+            let d = if d.dot(n) > 0.0 { -d } else { d };
+            [row3(d, (i % 2) as f32), row3(n, 0.0)]
+        })
+        .collect();
+    let code = "let d = in_f(0u).xyz; let n = in_f(1u).xyz; let front = in_f(0u).w > 0.5;
+        let s = specular_scatter(materials[4], EVENT_TRANSMIT, d, n, n, front, vec2(0.5));
+        out_f(0u, vec4(s.direction, s.eta_it));
+        out_f(1u, vec4(dielectric_reflectance(materials[4], n, d, front), select(0.0, 1.0, s.alive), 0.0, 0.0));";
+    let out: Vec<[Row; 2]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);
+    let mut sides = [0; 2];
+    for (i, [o, more]) in inputs.iter().zip(out) {
+        let (d, n, angle_cos) = (dvec3(i[0]), dvec3(i[1]), -dvec3(i[0]).dot(dvec3(i[1])));
+        if angle_cos < 1e-2 {
+            continue;
+        }
+        sides[floats(i[0])[3] as usize] += 1;
+        let (angle, inside) = (angle_cos.min(1.0).acos(), (angle_cos.min(1.0).acos().sin() / 1.5).asin());
+        let face = ((angle - inside).sin() / (angle + inside).sin()).powi(2)
+            + ((angle - inside).tan() / (angle + inside).tan()).powi(2);
+        let face = if angle < 1e-3 { 0.04 } else { face / 2.0 };
+        let [reflectance, alive, ..] = floats(more);
+        assert!((dvec3(o) - d).length() < 1e-5, "{d} on {n}: {}", dvec3(o));
+        assert_eq!((floats(o)[3], alive), (1.0, 1.0));
+        assert!((f64::from(reflectance) - 2.0 * face / (1.0 + face)).abs() < 1e-4, "{angle}: {reflectance}");
+    }
+    assert!(sides.iter().all(|&n| n > 900), "{sides:?}");
 }

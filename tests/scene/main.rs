@@ -1,8 +1,11 @@
 //! Claims about what the scene readers accept, repair and refuse.
 
 mod camera;
+mod doubts;
 mod folder;
 mod formats;
+mod glass;
+mod growth;
 mod materials;
 mod meshes;
 mod scene_file;

@@ -165,6 +165,34 @@ fn absent_kd() {
     assert!(warnings("map_Kd a.png").contains("textures are not supported"));
 }
 
+/// Warnings of one kind about many materials are one line with the first names and a count; of two, both; others stay apart.
+#[test]
+fn warnings_of_one_kind_are_one_line() {
+    let told = |count: usize| {
+        let names: Vec<String> = (0..count).map(|i| format!("m{i}")).collect();
+        let faces: String = names.iter().map(|n| format!("usemtl {n}\nf 1 2 3\n")).collect();
+        let mtl: String = names.iter().map(|n| format!("newmtl {n}\nmap_Kd {n}.png\n")).collect();
+        let obj = format!("mtllib m.mtl\n{TRIANGLE}{faces}usemtl n\nf 1 2 3\n");
+        let mtl = format!("{mtl}newmtl n\nKd 1 1 1\nd .5\n");
+        let files = [("a.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes())];
+        let mut lines = Folder::new(&files).load("a.obj").unwrap().warnings;
+        lines.retain(|line| !line.contains("point light"));
+        assert_eq!(lines.len(), 2, "{lines:#?}");
+        assert!(lines[1].ends_with("material \"n\": cut-out transparency is not supported; it is opaque"));
+        lines.swap_remove(0)
+    };
+    let rest = ": textures are not supported; its plain colours are used";
+    let one = told(1);
+    assert!(one.ends_with(&format!("m.mtl:2: material \"m0\"{rest}")), "{one}");
+    let two = told(2);
+    assert!(two.ends_with(&format!("m.mtl:2: materials \"m0\" and \"m1\"{rest}")), "{two}");
+    let many = told(45);
+    assert!(
+        many.ends_with(&format!("m.mtl:2: materials \"m0\", \"m1\", \"m2\" and 42 more{rest}")),
+        "{many}"
+    );
+}
+
 /// Rule 7: more than all light is scaled down in proportion; exactly all is allowed.
 #[test]
 fn reflectances_sum_to_one_at_most() {

@@ -59,9 +59,9 @@ fn scene_file_says_everything() {
     let point = Light::Point { position: DVec3::new(1.0, 2.0, 3.0), intensity: [4.0; 3] };
     let sun = Light::Sun { direction: DVec3::NEG_Y, irradiance: [1.5; 3] };
     assert_eq!((scene.lights[0], scene.lights[2]), (point, sun));
-    let Light::Spot { direction, cos_inner, cos_outer, .. } = scene.lights[1] else { panic!("no spot") };
-    assert_eq!((direction, cos_inner), (DVec3::NEG_Y, 1.0));
-    assert!((cos_outer - 0.5).abs() < 1e-12);
+    let Light::Spot { direction, angle_inner, angle_outer, .. } = scene.lights[1] else { panic!("no spot") };
+    assert_eq!((direction, angle_inner), (DVec3::NEG_Y, 0.0));
+    assert!((angle_outer.cos() - 0.5).abs() < 1e-12);
 }
 
 /// Faults of a scene file are named with their line and, for slips, the word that was meant.

@@ -60,13 +60,12 @@ fn spot(half: f64, off: f64) -> Scene {
     b.room([-3., -1., -3.], [4., 4., 5.], white);
     b.icosphere([0.; 3], 0.5, 3, false, ball);
     let direction = DVec3::new(-off.cos(), 0.0, off.sin());
-    let cos_outer = half.cos();
     b.scene.lights.push(Light::Spot {
         position: DVec3::new(2.0, 0.0, 0.0),
         direction,
         intensity: [1.0; 3],
-        cos_inner: 0.5 * (1.0 + cos_outer),
-        cos_outer,
+        angle_inner: f64::acos(0.5 * (1.0 + half.cos())),
+        angle_outer: half,
     });
     b.scene
 }

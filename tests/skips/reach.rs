@@ -47,7 +47,13 @@ fn a_room_with_an_outside_is_the_room_alone() {
     let direction = DVec3::NEG_Y;
     b.scene.lights.extend([
         Light::Point { position, intensity },
-        Light::Spot { position, direction, intensity, cos_inner: 0.9, cos_outer: 0.8 },
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            angle_inner: f64::acos(0.9),
+            angle_outer: f64::acos(0.8),
+        },
         Light::Sun { direction, irradiance: [3.0; 3] },
     ]);
     b.room([-9., -3., 2.], [-4., 4., 3.], 0);

@@ -69,11 +69,11 @@ fn plain_laws() -> Vec<Law> {
             name: format!("cone of {size}"),
             cap: Cap::new(z, 1.5 * f64::from(size)),
             density: Box::new(move |w| if w.z > cos_max { 1.0 / (TAU * (1.0 - cos_max)) } else { 0.0 }),
-            host: Box::new(move |u| Some(cone([u[0], u[1]], cos_max as f32))),
+            host: Box::new(move |u| Some(cone([u[0], u[1]], size))),
             device: format!("sample_cone(u.xy, {size:?})"),
         });
     }
-    for exponent in [1.0, 20.0, 300.0f32] {
+    for exponent in [1.0, 20.0, 300.0, 1e6f32] {
         let e = f64::from(exponent);
         laws.push(Law {
             name: format!("Phong lobe of exponent {exponent}"),
@@ -171,7 +171,7 @@ fn all_materials() -> (Vec<PackedMaterial>, usize) {
     let lobes = all.len();
     let rough = Material { glossy: [0.9; 3], glossy_exponent: 1000.0, ..Material::matte("rough", [0.0; 3]) };
     all.push(PackedMaterial::new(&rough));
-    assert!(all[lobes].specular_exponent > 0.0, "lobes this sharp are S events");
+    assert!(all[lobes].specular_exponent > 0.0, "lobes this sharp are followed");
     (all, lobes)
 }
 

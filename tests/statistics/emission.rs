@@ -43,8 +43,8 @@ const LIGHTS: [Light; 4] = [
             position: DVec3::new(1.0, 1.5, 0.5),
             direction: DVec3::new(-1.0, -1.7, -0.5).normalize(),
             intensity: [2.0; 3],
-            cos_inner: 0.97,
-            cos_outer: 0.9,
+            angle_inner: f64::acos(0.97),
+            angle_outer: f64::acos(0.9),
         });
     }),
     ("sun", |b| {
@@ -95,7 +95,7 @@ fn axis(e: &PackedEmitter) -> DVec3 {
 
 fn falloff(e: &PackedEmitter, w: DVec3) -> f64 {
     let [inner, outer] = [e.e2.x, e.e2.y].map(f64::from);
-    let x = ((w.dot(axis(e)) - outer) / (inner - outer)).clamp(0.0, 1.0);
+    let x = ((outer - 0.5 * (w - axis(e)).length_squared()) / (outer - inner)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
 
@@ -191,7 +191,7 @@ fn wanted_flux(scene: &PackedScene, e: &PackedEmitter, s: &Start, caustic: bool)
                 (true, _) => aimed_pdf(&cones(scene, s.origin), s.direction),
                 (_, EmitterKind::Triangle) => (s.direction.dot(n) / PI, 1.0),
                 (_, EmitterKind::Point) => (1.0 / (4.0 * PI), 1.0),
-                _ => (1.0 / (TAU * (1.0 - f64::from(e.e2.y))), 1.0),
+                _ => (1.0 / (TAU * f64::from(e.e2.y)), 1.0),
             };
             if edge < EDGE {
                 return None;
@@ -266,7 +266,7 @@ fn jotons_start_by_their_laws() {
                     (true, _) => aimed_pdf(&cones, w).0,
                     (false, EmitterKind::Triangle) => w.dot(axis(e)).max(0.0) / PI,
                     (false, EmitterKind::Spot) if falloff(e, w) <= 0.0 => 0.0,
-                    (false, EmitterKind::Spot) => 1.0 / (TAU * (1.0 - f64::from(e.e2.y))),
+                    (false, EmitterKind::Spot) => 1.0 / (TAU * f64::from(e.e2.y)),
                     (false, _) => 1.0 / (4.0 * PI),
                 };
                 let p = Cap::new(axis(e), extent).test(directions(), density);
@@ -343,7 +343,7 @@ fn aimed_directions_follow_the_mixture_of_cones() {
         let inputs: Vec<[Row; 1]> =
             crate::chi_square::draws(purpose, COUNT).map(|u| [row3([u[0], u[1], 0.0], 0.0)]).collect();
         let code = format!(
-            "let a = aim_at_targets({}, in_f(0u).xy, 0.0); out_f(0u, vec4(a.direction, f32(a.hits) / a.total));",
+            "let a = aim_at_targets(Beam({}, vec3(0.0, 0.0, 1.0), 0.0), in_f(0u).xy); out_f(0u, vec4(a.direction, f32(a.hits) / a.total));",
             crate::directions::wgsl(origin)
         );
         let out: Vec<[Row; 1]> = Device::new(context, &scene, seed()).run(&code, (true, EMITTED), &inputs);

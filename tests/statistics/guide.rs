@@ -125,8 +125,14 @@ fn every_light(b: &mut Builder) {
     b.point_light([-0.5, -0.1, 0.4], 0.2);
     let direction = DVec3::new(-1.0, -1.7, -0.5).normalize();
     for position in [DVec3::new(1.0, 1.5, 0.5), DVec3::new(0.3, 0.2, 0.1)] {
-        let [cos_inner, cos_outer] = [0.97, 0.9];
-        b.scene.lights.push(Light::Spot { position, direction, intensity: [2.0; 3], cos_inner, cos_outer });
+        let [angle_inner, angle_outer] = [0.97, 0.9].map(f64::acos);
+        b.scene.lights.push(Light::Spot {
+            position,
+            direction,
+            intensity: [2.0; 3],
+            angle_inner,
+            angle_outer,
+        });
     }
     b.scene.lights.push(Light::Sun { direction, irradiance: [0.5; 3] });
 }
@@ -210,8 +216,8 @@ fn box_under_all_kinds(size: u32) -> PackedScene {
         position: center,
         direction: down,
         intensity: [intensity; 3],
-        cos_inner: 0.9,
-        cos_outer: 0.7,
+        angle_inner: f64::acos(0.9),
+        angle_outer: f64::acos(0.7),
     };
     b.scene.lights.push(light(0.5));
     b.scene

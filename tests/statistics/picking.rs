@@ -109,7 +109,7 @@ fn camera_rays_fill_the_pixels() {
     if let Some(context) = crate::common::device() {
         let code = "let i = in_u(0u);
             let jitter = sobol2(i.y, sequence_seed(pass_info.seed, i.x, STREAM_JITTER));
-            out_f(0u, vec4(camera_direction(i.x, jitter), 0.0));";
+            out_f(0u, vec4(camera_ray(i.x, jitter).direction, 0.0));";
         let inputs: Vec<[Row; 1]> = samples.iter().map(|&(pixel, pass)| [[pixel, pass, 0, 0]]).collect();
         let out: Vec<[Row; 1]> = Device::new(context, &scene, seed()).run(code, (false, 1), &inputs);
         assert!(out.iter().all(|o| floats(o[0])[0].is_finite()));

@@ -5,8 +5,10 @@
 
 use crate::chi_square::{Claims, SIGNIFICANCE, both_tails, seed, upper_tail};
 use joton::cpu::harness;
-use joton::rng::{random4, sequence_seed, sobol2};
+use joton::rng::{purpose, random4, seed_at, sequence_seed, sequence2, sobol2};
 use joton::stats::sidak;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// Constants of shared/rng.wgsl whose names start so.
 fn constants(prefix: &str) -> Vec<u32> {
@@ -42,17 +44,78 @@ fn sides() -> [Addresses; 2] {
 /// Longest path times draws of an event: no purpose runs into the next one's dimensions.
 const DIMENSIONS_OF_A_PURPOSE: u32 = 4 * 257;
 
-/// No two purposes share an address.
+/// No two purposes share an address: those of a side, and those of set-up, which both have.
 #[test]
 fn purposes_have_addresses_of_their_own() {
     for Addresses { side, mut streams, mut dimensions } in sides() {
-        assert!(streams.len() >= 9 && dimensions.len() >= 5, "{side}: {streams:?} {dimensions:?}");
+        assert!(streams.len() >= 8 && dimensions.len() >= 5, "{side}: {streams:?} {dimensions:?}");
+        streams.extend(purpose::STREAMS);
+        dimensions.extend(purpose::DIMENSIONS);
         streams.sort_unstable();
         assert!(streams.windows(2).all(|w| w[0] < w[1]), "{side}: {streams:?}");
         dimensions.sort_unstable();
         let apart = |w: &[u32]| w[1] - w[0] >= DIMENSIONS_OF_A_PURPOSE;
         assert!(dimensions.windows(2).all(apart), "{side}: {dimensions:?}");
     }
+}
+
+/// Source files, and the folder of each.
+fn sources(folder: &Path) -> Vec<(String, String)> {
+    let entries = std::fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path());
+    let read = |path: PathBuf| match path.is_dir() {
+        true => sources(&path),
+        false => vec![(path.display().to_string(), std::fs::read_to_string(&path).expect("text"))],
+    };
+    entries.flat_map(read).collect()
+}
+
+/// Purposes are where the test above looks for them, and none is dead: something draws from each.
+#[test]
+fn purposes_are_listed_and_used() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let is_purpose = |word: &str| word.starts_with("STREAM_") || word.starts_with("DIMENSION_");
+    let words = |text: &str| -> Vec<String> {
+        let text = text.split("#[cfg(test)]").next().unwrap_or("");
+        let code = text.lines().map(|l| l.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
+        let words = code.split(|c: char| !c.is_alphanumeric() && c != '_');
+        words.filter(|w| is_purpose(w)).map(String::from).collect()
+    };
+    for (folder, lists) in
+        [("src", &["src/rng.rs", "cpu/streams.rs", "cpu/harness.rs"][..]), ("shaders", &["shared/rng.wgsl"])]
+    {
+        let files = sources(&root.join(folder));
+        let (listing, using): (Vec<_>, Vec<_>) =
+            files.iter().partition(|(name, _)| lists.iter().any(|list| name.ends_with(list)));
+        let used: BTreeSet<String> = using.iter().flat_map(|(_, text)| words(text)).collect();
+        let listed: BTreeSet<String> = listing.iter().flat_map(|(_, text)| words(text)).collect();
+        assert!(listed.len() > 8, "{listed:?}");
+        assert_eq!(listed, used, "{folder}");
+    }
+}
+
+/// Sequences go on behind their 2^32 points with others: the same index in another high word is as far away as any, and
+/// every one of the first 2^16 high words has a seed of its own.
+#[test]
+fn sequences_do_not_come_again() {
+    let seeds: BTreeSet<u32> = (0..1 << 16).map(|high| seed_at(seed(), high)).collect();
+    assert_eq!(seeds.len(), 1 << 16);
+    assert_eq!(seed_at(seed(), 0), seed(), "the first points are those of the seed itself");
+    // starts of the jotons of passes p and p + 2^32 / jotons
+    let at = |pass: u64, number: u64| sequence2(pass * u64::from(JOTONS) + number, seed(), 0, 2);
+    let period = (1u64 << 32) / u64::from(JOTONS);
+    let mut same = 0;
+    let mut correlation = 0.0;
+    for number in 0..u64::from(JOTONS) {
+        let (a, b) = (at(3, number), at(3 + period, number));
+        same += u32::from(a == b);
+        correlation += 12.0 * f64::from((a[0] - 0.5) * (b[0] - 0.5));
+    }
+    assert_eq!(same, 0, "pass {period} begins again");
+    assert!((correlation / f64::from(JOTONS)).abs() < 5.0 / f64::from(JOTONS).sqrt(), "{correlation}");
+    // a pass that lies across a multiple of 2^32: numbers before and behind it
+    let across = |number: u64| sequence2((1 << 32) - 2 + number, seed(), 0, 2);
+    assert_eq!(across(1), sobol2(u32::MAX, sequence_seed(seed(), 0, 2)));
+    assert_eq!(across(2), sobol2(0, sequence_seed(seed_at(seed(), 1), 0, 2)));
 }
 
 /// An address: seed, pass, path or pixel.

@@ -247,8 +247,8 @@ impl Recipe {
                     position: position.into(),
                     direction: DVec3::from(direction).normalize(),
                     intensity,
-                    cos_inner: inner,
-                    cos_outer: outer,
+                    angle_inner: f64::acos(inner),
+                    angle_outer: f64::acos(outer),
                 },
                 Lamp::Sun { direction, irradiance } => {
                     Light::Sun { direction: DVec3::from(direction).normalize(), irradiance }

@@ -37,8 +37,8 @@ pub fn room() -> Scene {
         position: v(0.8, -0.5, 0.7),
         direction: v(-1.0, 0.6, -1.2).normalize(),
         intensity: [15.0, 10.0, 5.0],
-        cos_inner: 0.95,
-        cos_outer: 0.85,
+        angle_inner: f64::acos(0.95),
+        angle_outer: f64::acos(0.85),
     });
     b.0
 }

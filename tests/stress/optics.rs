@@ -219,8 +219,8 @@ fn adjoint_parts(sheet: &mut Sheet) {
                 position,
                 direction: (at - position).normalize(),
                 intensity: [3.0; 3],
-                cos_inner: 0.98,
-                cos_outer: 0.94,
+                angle_inner: f64::acos(0.98),
+                angle_outer: f64::acos(0.94),
             });
         };
         match way {

@@ -7,6 +7,7 @@ use crate::optics::light::sample_emitter;
 use crate::optics::ray::visible;
 use crate::pack::{Guide, PackedScene};
 use crate::plan::seen::{Seen, SeenPoint};
+use crate::rng::purpose::DIMENSION_PICKS;
 use crate::rng::random4;
 use rayon::prelude::*;
 
@@ -16,8 +17,6 @@ const PLACES: usize = 1024;
 const TRIES: usize = 32;
 /// What is learned must lower the second moment to this part of what it is.
 const WORTH: f64 = 0.8;
-/// Purpose of random numbers; those of the backends lie below.
-const DIMENSION_DIRECT: u32 = 0x13_0000;
 
 /// Light samples of which one gets a shadow ray, where that pays …
 const CANDIDATES: u32 = 8;
@@ -53,7 +52,7 @@ pub(in crate::plan) fn direct(scene: &PackedScene, seed: u32, seen: &Seen) -> Pi
     let found: Vec<Vec<Given>> = places
         .par_iter()
         .enumerate()
-        .map(|(i, p)| given(scene, &lamps, p, |k| random4(seed, i as u32, k, DIMENSION_DIRECT)))
+        .map(|(i, p)| given(scene, &lamps, p, |k| random4(seed, i as u32, k, DIMENSION_PICKS)))
         .collect();
     let mut moments = vec![0.0; lamps.len()];
     found.iter().flatten().for_each(|g| moments[g.lamp] += g.lit.powi(2) * g.stands_for);

@@ -16,6 +16,7 @@ use crate::bands::sum;
 use crate::optics::emit::{Start, aimed_of, law_of};
 use crate::optics::ray::{Ray, Surface};
 use crate::pack::{Guide, MAX_WARPS, PackedScene, Warp};
+use crate::rng::purpose::{DIMENSION_LEARN, STREAM_LEARN_DIRECTION, STREAM_LEARN_PLACE};
 use crate::rng::{random4, sequence_seed, sobol2};
 use density::warp;
 use lamp::{Lamp, lamps};
@@ -41,10 +42,6 @@ const WORTH: [f64; 2] = [0.9, 0.6];
 const HITS: usize = 64;
 /// Events after which a diffuse joton is not followed any further.
 const EVENTS: u32 = 8;
-/// Purposes of random numbers; those of the backends lie below. The kind of map is added.
-const STREAM_PLACE: u32 = 0x210;
-const STREAM_DIRECTION: u32 = 0x220;
-const DIMENSION_LEARN: [u32; 2] = [0x11_0000, 0x12_0000];
 
 /// A joton that some gather point can use.
 struct Hit {
@@ -137,8 +134,8 @@ fn hits(
     lamp: &Lamp,
     [index, number]: [u32; 2],
 ) -> (usize, Vec<Hit>) {
-    let draw = |stream| sobol2(number, sequence_seed(seed, index, stream + kind));
-    let (place, towards) = (draw(STREAM_PLACE), draw(STREAM_DIRECTION));
+    let draw = |streams: [u32; 2]| sobol2(number, sequence_seed(seed, index, streams[kind as usize]));
+    let (place, towards) = (draw(STREAM_LEARN_PLACE), draw(STREAM_LEARN_DIRECTION));
     let (emitter, rest, pick) = lamp.pick(place[0]);
     let e = &scene.emitters[emitter];
     let is_caustic = kind == Kind::Caustic as u32;
@@ -148,7 +145,7 @@ fn hits(
         Some(law_of(e, [rest, place[1]], towards, 1.0 / pick))
     };
     let Some(Start { origin, direction, mut flux }) = start else { return (0, Vec::new()) };
-    let mut ray = Ray { origin, direction };
+    let mut ray = Ray::new(origin, direction);
     let mut hits = Vec::new();
     let (mut scattered, mut stored) = (false, 0);
     for event in 0..if is_caustic { CHAIN } else { EVENTS } {
