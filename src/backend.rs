@@ -5,6 +5,8 @@ use crate::error::Result;
 use crate::film::{LAYERS, Layer};
 use crate::glints::Glints;
 use crate::rest::Rest;
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most passes of a render: random numbers know a pass by 32 bits, and the last of them is the pilot's.
 pub const PASSES_MAX: u64 = u32::MAX as u64;
@@ -74,6 +76,31 @@ pub trait Backend {
     /// # Errors
     /// [`crate::Error::Device`] where the device fails, [`crate::Error::Capacity`] where a pass does not fit.
     fn render(&mut self, first: u64, count: u32) -> Result<Batch>;
+}
+
+thread_local! {
+    static GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Do what panics where a device is lost: wgpu waits for a device, and lets go of one, without a way to report that. The words of
+/// the panic, in one line, where it does.
+///
+/// # Errors
+/// The words of the panic.
+pub fn guarded<T>(work: impl FnOnce() -> T) -> std::result::Result<T, String> {
+    let before = GUARDED.replace(true);
+    let done = catch_unwind(AssertUnwindSafe(work));
+    GUARDED.set(before);
+    done.map_err(|panic| {
+        let words = panic.downcast_ref::<String>().map(String::as_str);
+        let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it panicked");
+        words.split_whitespace().collect::<Vec<_>>().join(" ")
+    })
+}
+
+/// Whether a panic of this thread is caught and comes out as an error: then a hook has nothing to print.
+pub fn is_guarded() -> bool {
+    GUARDED.get()
 }
 
 /// The sums of a few passes.

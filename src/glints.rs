@@ -168,6 +168,11 @@ impl Glints {
         levels
     }
 
+    /// Where another device has found more so far, as many as it has: a render goes on with trees that did not grow before.
+    pub(crate) fn joined(&self, other: &Glints) -> Glints {
+        Self { size: self.size, turns: self.turns, levels: self.limited(&other.levels) }
+    }
+
     /// Trees in the [`List`] of an image with so many pixels, at most.
     pub fn most(pixels: u64) -> u64 {
         pixels * u64::from(GLINT_TREES)
@@ -406,6 +411,19 @@ mod tests {
         assert!(trees(MIDDLE) >= 32.0, "{}", trees(MIDDLE));
         assert!(trees(MIDDLE + 1) >= GLINT_TREES as f32 && trees(MIDDLE + 1) < trees(MIDDLE));
         assert_eq!((trees(5), trees(6), trees(MIDDLE + 2)), (0.0, 0.0, 0.0));
+    }
+
+    /// A device that goes on has no fewer trees in any pixel than the one before it and than its own pilot found.
+    #[test]
+    fn a_device_that_goes_on_has_no_fewer_trees() {
+        let own = marked();
+        let before = after(4, &own, |pass, pixel| if pixel == 3 && pass == 2 { 8.0 } else { 0.0 });
+        let joined = own.joined(&before);
+        assert_ne!(joined, own);
+        for pixel in 0..PIXELS {
+            let most = own.trees_a_pass(pixel).max(before.trees_a_pass(pixel));
+            assert_eq!(joined.trees_a_pass(pixel), most, "{pixel}");
+        }
     }
 
     /// Trees are limited by the pixels, and what has some loses none.

@@ -13,6 +13,7 @@ pub mod film;
 pub mod glints;
 pub mod gpu;
 mod halves;
+mod input;
 pub mod layout;
 pub mod memory;
 mod neighbours;

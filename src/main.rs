@@ -1,12 +1,14 @@
 //! joton: from the command line's words to an exit code.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod cli;
+mod system;
 
 use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    system::leave_windows_out();
     let done = match cli::Arguments::try_parse() {
         Ok(arguments) => cli::run(arguments).map_err(|e| e.to_string()),
         Err(e) => cli::refuse(&e),

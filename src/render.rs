@@ -1,15 +1,15 @@
-//! Render: pass after pass on a backend until the picture is good enough, the time is up or the user stops it.
+//! Render: pass after pass on a backend until the picture is good enough, the time is up or the user stops it. Where a device
+//! fails, what it has finished stays, and another one goes on from there: passes are independent given their index, and
+//! films are sums.
 
-use crate::backend::{Backend, PASSES_MAX, Tally};
-use crate::bands::BANDS;
+mod state;
+
+use crate::backend::{Backend, Tally};
 use crate::error::Result;
-use crate::film::{Layer, Picture};
-use crate::glints;
+use crate::film::Picture;
 pub use crate::halves::ErrorEstimate;
-use crate::halves::{self, Halves};
-use crate::quiet::Quiet;
-use crate::rest::Rest;
-use std::time::Instant;
+use crate::halves::Halves;
+pub use state::RenderState;
 
 /// When to stop; the first that is met. None at all: until the error estimate is [`DEFAULT_ERROR`], at most
 /// [`DEFAULT_SECONDS`].
@@ -40,6 +40,19 @@ pub enum Reason {
     Error,
     /// The user stopped it.
     Interrupted,
+    /// The device failed, and no other one was left.
+    Failed,
+}
+
+/// A device that failed.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Failure {
+    /// Which it was.
+    pub device: String,
+    /// Passes in the picture when it failed: those before and its own.
+    pub passes: u64,
+    /// Its words.
+    pub what: String,
 }
 
 /// How far a render is.
@@ -67,30 +80,6 @@ impl Progress<'_> {
     }
 }
 
-/// Seconds of rendering, without what the watcher does in between.
-struct Clock {
-    since: Instant,
-    cpu_since: cpu_time::ProcessTime,
-    before: [f64; 2],
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self { since: Instant::now(), cpu_since: cpu_time::ProcessTime::now(), before: [0.0; 2] }
-    }
-
-    /// Seconds, and processor seconds of all threads.
-    fn read(&self) -> [f64; 2] {
-        let now = [self.since.elapsed(), self.cpu_since.elapsed()].map(|d| d.as_secs_f64());
-        [self.before[0] + now[0], self.before[1] + now[1]]
-    }
-
-    /// Go on from an earlier reading.
-    fn go_on_from(&mut self, reading: [f64; 2]) {
-        *self = Self { before: reading, ..Self::start() };
-    }
-}
-
 /// A finished render.
 #[derive(Debug, Clone)]
 pub struct Rendered {
@@ -110,10 +99,9 @@ pub struct Rendered {
     pub error_estimate: Option<ErrorEstimate>,
     /// Why it stopped.
     pub reason: Reason,
+    /// Devices that failed before.
+    pub failures: Vec<Failure>,
 }
-
-/// Passes before an error estimate is trusted.
-const ERROR_PASSES: u64 = 4;
 
 /// Render until `stop`; `watch` sees every batch and returns false to stop.
 ///
@@ -123,147 +111,21 @@ pub fn render(
     backend: &mut dyn Backend,
     size: [u32; 2],
     stop: Stop,
-    mut watch: impl FnMut(&Progress<'_>) -> bool,
+    watch: impl FnMut(&Progress<'_>) -> bool,
 ) -> Result<Rendered> {
-    let stop = if stop == Stop::default() {
-        Stop { error: Some(DEFAULT_ERROR), seconds: Some(DEFAULT_SECONDS), passes: None }
-    } else {
-        stop
-    };
-    let most = stop.passes.unwrap_or(PASSES_MAX).min(PASSES_MAX);
-    let mut sums = Halves::new(size);
-    let mut quiet = backend.rest(&Rest::none(size)).then(|| Quiet::new(size));
-    let mut glimpses = glints::Watch::new(size);
-    let mut tally = Tally::default();
-    let mut imbalance = Imbalance::default();
-    let mut passes = 0u64;
-    let mut error = None;
-    let mut clock = Clock::start();
-    loop {
-        let count = batch(passes, backend.batch_passes(passes), most);
-        let mut batch = backend.render(passes, count as u32)?;
-        // black layers are not summed
-        for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
-            batch.layers[layer as usize] = Vec::new();
-        }
-        sums.add(passes, count, &batch.layers, mean_blur(backend, passes, count));
-        tally += batch.tally;
-        imbalance.add(count, &batch.tally);
-        passes += count;
-        if let Some(glints) = backend.glints() {
-            glimpses.watch(count, &batch.layers[Layer::Emission as usize], glints);
-            if passes > 1 && passes.is_power_of_two() {
-                let grown = glimpses.grown(glints, sums.film());
-                backend.set_glints(grown)?;
-            }
-        }
-        if let Some(quiet) = &mut quiet {
-            quiet.watch(passes - count, count, &batch.layers);
-            if let Some(rest) = quiet.renew(passes, backend.glints()) {
-                backend.rest(rest);
-                sums.set_rest(rest.clone());
-            }
-        }
-        if is_estimated(passes) {
-            error = sums.error();
-        }
-        let reading = clock.read();
-        let [seconds, cpu_seconds] = reading;
-
-        let reached =
-            |value: Option<f64>, limit: Option<f64>| matches!((value, limit), (Some(v), Some(l)) if v <= l);
-        let part = |value: f64, limit: Option<f64>| limit.map_or(0.0, |l| value / l);
-        let total = error.map(|e| e.total);
-        let by_error = match (total, stop.error) {
-            (Some(e), Some(l)) => (l / e).powi(2),
-            _ => 0.0,
-        };
-        let done =
-            part(passes as f64, stop.passes.map(|p| p as f64)).max(part(seconds, stop.seconds)).max(by_error);
-        let done = done.min(1.0);
-        let go_on =
-            watch(&Progress { passes, seconds, error, done, cpu_seconds, tally: &tally, halves: &sums });
-        clock.go_on_from(reading);
-        let reason = if passes >= most {
-            Some(Reason::Passes)
-        } else if reached(total, stop.error) {
-            Some(Reason::Error)
-        } else if !go_on {
-            Some(Reason::Interrupted)
-        } else if stop.seconds.is_some_and(|most| seconds >= most) {
-            Some(Reason::Time)
-        } else {
-            None
-        };
-        if let Some(reason) = reason {
-            // the picture takes its place
-            drop(batch);
-            return Ok(Rendered {
-                picture: sums.picture(),
-                passes,
-                seconds,
-                cpu_seconds,
-                tally,
-                energy_error: imbalance.relative_error(),
-                error_estimate: if passes < ERROR_PASSES || is_estimated(passes) {
-                    error
-                } else {
-                    sums.error()
-                },
-                reason,
-            });
-        }
-    }
-}
-
-/// Passes of the batch from pass `first` on, where the backend would like so many, of `most` in all: powers of two, which blocks
-/// of resting tiles are whole parts of, or whole multiples.
-fn batch(first: u64, wanted: u32, most: u64) -> u64 {
-    1 << u64::from(wanted).min(halves::run(first)).min(most - first).ilog2()
-}
-
-/// Whether the error is estimated after so many passes: after each one first, later after every sixteenth part of them, so
-/// that it costs nothing.
-fn is_estimated(passes: u64) -> bool {
-    passes >= ERROR_PASSES && passes.is_multiple_of(1 << passes.ilog2().saturating_sub(4))
-}
-
-/// Mean of the maps' blur over `count` passes.
-fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> f64 {
-    (first..first + count).map(|pass| backend.blur(pass)).sum::<f64>() / count as f64
-}
-
-/// Spread between batches of emitted − absorbed − escaped.
-#[derive(Default)]
-struct Imbalance {
-    batches: Vec<(f64, f64)>,
-    emitted: f64,
-}
-
-impl Imbalance {
-    fn add(&mut self, passes: u64, t: &Tally) {
-        let total = |x: &[f64; BANDS]| x.iter().sum::<f64>();
-        self.batches.push((passes as f64, total(&t.emitted) - total(&t.absorbed) - total(&t.escaped)));
-        self.emitted += total(&t.emitted);
-    }
-
-    /// Standard error of the sum over the emitted flux.
-    fn relative_error(&self) -> Option<f64> {
-        let n = self.batches.len() as f64;
-        if n < 2.0 || self.emitted <= 0.0 {
-            return None;
-        }
-        let passes: f64 = self.batches.iter().map(|b| b.0).sum();
-        let mean: f64 = self.batches.iter().map(|b| b.1).sum::<f64>() / passes;
-        let per_pass = self.batches.iter().map(|(p, d)| (d - p * mean).powi(2) / p).sum::<f64>() / (n - 1.0);
-        Some((per_pass * passes).sqrt() / self.emitted)
-    }
+    let mut state = RenderState::new(size);
+    let reason = state.go_on(backend, stop, watch)?;
+    Ok(state.finish(reason))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::state::batch;
     use super::*;
-    use crate::backend::Batch;
+    use crate::backend::{Batch, PASSES_MAX};
+    use crate::bands::BANDS;
+    use crate::error::Error;
+    use crate::rest::Rest;
     use std::time::Duration;
 
     /// One pixel that is as bright as the number of its pass.
@@ -277,6 +139,123 @@ mod tests {
         fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
             let sum: f32 = (first..first + u64::from(count)).map(|pass| pass as f32).sum();
             Ok(Batch { layers: std::array::from_fn(|_| vec![[sum; BANDS]]), tally: Tally::default() })
+        }
+    }
+
+    /// [`Counter`] that fails at a pass.
+    struct Failing(u64);
+
+    impl Backend for Failing {
+        fn describe(&self) -> String {
+            format!("fails at {}", self.0)
+        }
+
+        fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+            if first >= self.0 {
+                return Err(Error::device(format!("no pass {first}"), "try another"));
+            }
+            Counter.render(first, count)
+        }
+    }
+
+    /// Where a device fails its passes stay, and the next one goes on with those that follow: the picture is that of a device
+    /// that never failed.
+    #[test]
+    fn another_device_goes_on() {
+        let stop = Stop { passes: Some(8), ..Stop::default() };
+        let whole = render(&mut Counter, [1, 1], stop, |_| true).expect("a picture");
+        // the second one fails at once
+        let mut others: Vec<Box<dyn Backend>> = vec![Box::new(Counter), Box::new(Failing(0))];
+        let mut state = RenderState::new([1, 1]);
+        let mut seen = Vec::new();
+        let watch = |p: &Progress<'_>| {
+            seen.push(p.passes);
+            true
+        };
+        let ended = state.go_on_while_devices_last(Box::new(Failing(3)), stop, watch, |_| others.pop());
+        let (reason, last) = ended.map_err(|e| e.to_string()).expect("the third one renders");
+        assert_eq!((reason, last.describe()), (Reason::Passes, "counter".into()));
+        assert_eq!(seen, (1..=8).collect::<Vec<_>>(), "each pass once");
+        let rendered = state.finish(reason);
+        assert_eq!(rendered.picture.whole, whole.picture.whole);
+        assert_eq!(rendered.error_estimate, whole.error_estimate);
+        let failed: Vec<_> =
+            rendered.failures.iter().map(|f| (&f.device[..], f.passes, &f.what[..])).collect();
+        let wanted =
+            [("fails at 3", 3, "no pass 3; try another"), ("fails at 0", 3, "no pass 3; try another")];
+        assert_eq!(failed, wanted);
+    }
+
+    /// Where the last device fails, its words come out, and the passes before are a picture.
+    #[test]
+    fn passes_before_a_failure_are_kept() {
+        let stop = Stop { passes: Some(8), ..Stop::default() };
+        let mut state = RenderState::new([1, 1]);
+        let ended = state.go_on_while_devices_last(Box::new(Failing(3)), stop, |_| true, |_| None);
+        assert_eq!(ended.err().expect("it fails").to_string(), "no pass 3; try another");
+        assert_eq!(state.passes(), 3);
+        let rendered = state.finish(Reason::Failed);
+        let three = Stop { passes: Some(3), ..Stop::default() };
+        let whole = render(&mut Counter, [1, 1], three, |_| true).expect("a picture");
+        assert_eq!(rendered.picture.whole, whole.picture.whole);
+        assert_eq!((rendered.passes, rendered.reason, rendered.failures.len()), (3, Reason::Failed, 1));
+    }
+
+    /// A pixel of radiance 1 in each layer, as a device sees it that lets it rest or not, up to a pass at which it fails.
+    struct Steady {
+        rest: Option<Rest>,
+        batch: u32,
+        fails_at: u64,
+    }
+
+    impl Backend for Steady {
+        fn describe(&self) -> String {
+            "steady".into()
+        }
+
+        fn batch_passes(&self, _: u64) -> u32 {
+            self.batch
+        }
+
+        fn rest(&mut self, rest: &Rest) -> bool {
+            self.rest.as_mut().map(|r| *r = rest.clone()).is_some()
+        }
+
+        fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+            if first >= self.fails_at {
+                return Err(Error::device("it fails", "try another"));
+            }
+            let passes = first..first + u64::from(count);
+            let is_live = |pass: &u64| self.rest.as_ref().is_none_or(|rest| rest.is_live(0, *pass));
+            let sum = passes.filter(is_live).count() as f32;
+            Ok(Batch { layers: std::array::from_fn(|_| vec![[sum; BANDS]; 64]), tally: Tally::default() })
+        }
+    }
+
+    /// Every pass counts once, whether pixels rest on the device that fails, on the one that goes on, or on both, and wherever the
+    /// one stops in a block of the other.
+    #[test]
+    fn pixels_that_rest_count_once_on_the_next_device() {
+        let size = [8, 8];
+        for (rests, batch) in [([true, true], 4), ([true, false], 4), ([false, true], 1), ([true, false], 16)]
+        {
+            for fails_at in [1, 5, 37, 48] {
+                let rest = rests.map(|rests| rests.then(|| Rest::none(size)));
+                let [first, second] = rest;
+                let first = Steady { rest: first, batch: 1, fails_at };
+                let second = Steady { rest: second, batch, fails_at: u64::MAX };
+                let (mut state, mut next) =
+                    (RenderState::new(size), Some(Box::new(second) as Box<dyn Backend>));
+                let stop = Stop { passes: Some(130), ..Stop::default() };
+                let watch = |p: &Progress<'_>| {
+                    let found = p.picture().whole.pixels[9][0];
+                    assert_eq!(found, 4.0, "{rests:?}, {batch}, {fails_at}: {} passes", p.passes);
+                    true
+                };
+                let ended = state.go_on_while_devices_last(Box::new(first), stop, watch, |_| next.take());
+                assert_eq!(ended.map(|e| e.0).map_err(|e| e.to_string()), Ok(Reason::Passes));
+                assert_eq!(state.passes(), 130);
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use crate::backend::NonFinite;
 use crate::bands::BANDS;
 use crate::pack::PackedScene;
 use crate::plan::{Plan, Skip};
-use crate::render::{Reason, Rendered};
+use crate::render::{Failure, Reason, Rendered};
 use serde::Serialize;
 
 /// Everything that `--report` writes. Lengths and powers are in the user's world units.
@@ -22,6 +22,8 @@ pub struct Report {
     pub cpu_seconds: f64,
     /// Why it stopped.
     pub stopped_by: Reason,
+    /// Devices that failed before, and how many passes there were then; the others were rendered by those that followed.
+    pub device_failures: Vec<Failure>,
     /// Rays of all kinds.
     pub rays: u64,
     /// Jotons that started.
@@ -132,6 +134,7 @@ impl Report {
             setup_seconds: around.setup_seconds,
             cpu_seconds: rendered.cpu_seconds,
             stopped_by: rendered.reason,
+            device_failures: rendered.failures.clone(),
             rays: t.rays,
             jotons_emitted: t.jotons_emitted,
             jotons_stored: t.jotons_stored,

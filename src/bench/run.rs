@@ -2,10 +2,10 @@
 
 use super::ladder::{Ladder, Seen};
 use super::{KernelRow, Row, Summary};
-use crate::Result;
 use crate::backend::Backend;
 use crate::film::Image;
 use crate::render::{Stop, render};
+use crate::{Error, Result};
 
 /// What is measured: a scene on a device.
 pub struct Subject<'a> {
@@ -33,20 +33,32 @@ pub struct Measured {
     pub summaries: Vec<Summary>,
     /// What kernels took, where that was measured.
     pub kernels: Vec<KernelRow>,
+    /// What opening or rendering reported, after what was found before.
+    pub failure: Option<Error>,
 }
 
 /// Measure a subject. `open` sets a device up for a seed; `see` is shown each row as it is found, and returns false to
 /// stop. Set-up, comparing and `see` are not part of any time.
-///
-/// # Errors
-/// What opening or rendering reports.
 pub fn measure(
     subject: &Subject<'_>,
-    mut open: impl FnMut(u32) -> Result<Box<dyn Backend>>,
-    mut see: impl FnMut(&Row) -> bool,
-) -> Result<Measured> {
+    open: impl FnMut(u32) -> Result<Box<dyn Backend>>,
+    see: impl FnMut(&Row) -> bool,
+) -> Measured {
     let mut ladder = Ladder::new(subject);
     let mut kernels = Vec::new();
+    let failure = climb(subject, &mut ladder, &mut kernels, open, see).err();
+    let (rows, summaries) = ladder.finish();
+    Measured { rows, summaries, kernels, failure }
+}
+
+/// Render with each seed, up the ladder.
+fn climb(
+    subject: &Subject<'_>,
+    ladder: &mut Ladder<'_>,
+    kernels: &mut Vec<KernelRow>,
+    mut open: impl FnMut(u32) -> Result<Box<dyn Backend>>,
+    mut see: impl FnMut(&Row) -> bool,
+) -> Result<()> {
     for seed in 0..subject.seeds {
         let mut backend = open(seed)?;
         let (device_name, device_bytes) = (backend.describe(), backend.device_bytes());
@@ -91,6 +103,5 @@ pub fn measure(
             break;
         }
     }
-    let (rows, summaries) = ladder.finish();
-    Ok(Measured { rows, summaries, kernels })
+    Ok(())
 }

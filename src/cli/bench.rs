@@ -1,7 +1,7 @@
 //! `joton bench SCENE…`: error over time on each device.
 
 use super::versus::{Peer, Versus};
-use super::{DONE, INTERRUPTED, device, memory, say, tell};
+use super::{DONE, INTERRUPTED, device, interrupt, memory, say, tell};
 use clap::Args;
 use joton::bench::{
     KernelRow, Row, Subject, Summary, error_plot, kernels_csv, measure, runs_csv, summary_csv,
@@ -14,7 +14,7 @@ use joton::plan::{Plan, Settings};
 use joton::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 /// Arguments of `joton bench`.
 #[derive(Debug, Args)]
@@ -67,6 +67,8 @@ struct Loaded {
     packed: Arc<PackedScene>,
     plan: Plan,
     reference: Option<Image>,
+    /// The files that the scene was read from.
+    files: Vec<PathBuf>,
     /// As other renderers read it, where there are any.
     peer: Option<Peer>,
 }
@@ -75,7 +77,10 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
     let times = ladder(&a.times)?;
     let files = ["csv", "summary.csv", "svg", "kernels.csv"]
         .map(|kind| PathBuf::from(format!("{}.{kind}", a.output)));
-    for file in files.iter().take(if a.timings { 4 } else { 3 }) {
+    // a file of kernels is written with --timings only
+    let files = if a.timings { &files[..] } else { &files[..3] };
+    output::check_not_read(files, &[&a.scenes[..], &a.reference].concat())?;
+    for file in files {
         output::check_writable(file)?;
     }
     if !a.reference.is_empty() && a.reference.len() != a.scenes.len() {
@@ -91,14 +96,9 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
         .enumerate()
         .map(|(i, (s, r))| load(a, s, r.map(PathBuf::as_path), versus.as_ref().map(|v| (v, i))))
         .collect::<Result<_>>()?;
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::SeqCst) {
-            std::process::exit(INTERRUPTED.into());
-        }
-    })
-    .ok();
+    let inputs: Vec<PathBuf> = scenes.iter().flat_map(|s| &s.files).chain(&a.reference).cloned().collect();
+    output::check_not_read(files, &inputs)?;
+    let interrupted = interrupt::watch();
     let stopped = || interrupted.load(Ordering::SeqCst);
     say(HEADING);
     let mut found = Found::default();
@@ -108,13 +108,14 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
         if a.seeds > 1 {
             say_parts(&found.summaries);
         }
-        output::write_text(&files[0], &runs_csv(&found.rows))?;
-        output::write_text(&files[1], &summary_csv(&found.summaries))?;
+        // where one file cannot be written, the others still are
+        let mut saved = output::write_text(&files[0], &runs_csv(&found.rows));
+        saved = saved.and(output::write_text(&files[1], &summary_csv(&found.summaries)));
         if a.timings {
-            output::write_text(&files[3], &kernels_csv(&found.kernels))?;
+            saved = saved.and(output::write_text(&files[3], &kernels_csv(&found.kernels)));
         }
-        let plot = error_plot(&found.summaries).map_err(|e| Error::io(&files[2], "write", e))?;
-        output::write_text(&files[2], &plot)?;
+        let plot = error_plot(&found.summaries).map_err(|e| Error::io(&files[2], "write", e));
+        saved.and(plot.and_then(|plot| output::write_text(&files[2], &plot)))?;
     }
     measured?;
     Ok(if stopped() { INTERRUPTED } else { DONE })
@@ -165,15 +166,16 @@ fn measure_all(
                 plan.settings.seed = seed;
                 let reference = device == "cpu-reference";
                 let name = if reference { "cpu" } else { device };
-                let (backend, line, _) = device::open(name, reference, &scene.packed, plan)?;
+                let (backend, line, _) = device::open(name, reference, &scene.packed, &plan)?;
                 if seed == 0 {
                     tell(format_args!("joton: {}: {line}", scene.name));
                 }
                 Ok(backend)
             };
-            let measured = measure(&subject_on(device), open, see)?;
+            let measured = measure(&subject_on(device), open, see);
             found.add((measured.rows, measured.summaries));
             found.kernels.extend(measured.kernels);
+            measured.failure.map_or(Ok(()), Err)?;
             if stopped() {
                 return Ok(());
             }
@@ -231,10 +233,10 @@ fn load(
         settings.paths = LightPaths::parse(paths)?;
     }
     let peer = versus.map(|(versus, index)| versus.export(&scene, file, index)).transpose()?;
-    let packed = Arc::new(super::pack(&scene, &settings));
+    let packed = Arc::new(super::pack(&scene, &settings)?);
     let plan = Plan::new(&packed, settings);
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Loaded { name, packed, plan, reference, peer })
+    Ok(Loaded { name, packed, plan, reference, files: scene.files, peer })
 }
 
 /// Above the lines of [`line_of`].

@@ -29,6 +29,7 @@ pub(super) fn run(a: &CompareArguments) -> Result<u8> {
         return Err(Error::usage("--tolerance must be 0 or larger", "give the largest relMSE to accept"));
     }
     if let Some(path) = &a.heatmap {
+        output::check_not_read([path], &[a.image.clone(), a.reference.clone()])?;
         output::check_writable(path)?;
     }
     let (image, reference) = (exr::read_image(&a.image)?, exr::read_image(&a.reference)?);

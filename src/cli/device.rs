@@ -1,38 +1,92 @@
 //! Which device a command runs on: `--device auto|gpu|cpu|NAME`.
 
-use joton::backend::Backend;
+use joton::backend::{Backend, guarded};
 use joton::cpu::{CpuBackend, PathTracer};
 use joton::gpu::{Context, GpuBackend};
 use joton::pack::PackedScene;
 use joton::plan::Plan;
 use joton::{Error, Result};
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// A device, one line that says which it is, and the plan as the device could keep it.
 type Opened = (Box<dyn Backend>, String, Plan);
 
-/// Open the device that `--device` names and set it up for a scene.
-pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan: Plan) -> Result<Opened> {
-    if reference && device != "cpu" {
-        return Err(Error::usage("--reference is the path tracer on the CPU", "add --device cpu"));
-    }
-    match device {
-        "cpu" => Ok(cpu(reference, scene, plan)),
-        "gpu" => gpu(None, scene, &plan),
-        "auto" => gpu(None, scene, &plan).or_else(|e| {
-            if let Error::Memory { .. } = e {
-                // what is free decides about no picture
-                return Err(e);
+/// Opens a device and sets it up for a scene.
+type Open = Box<dyn FnOnce(&Arc<PackedScene>, &Plan) -> Result<Opened>>;
+
+/// The devices that `--device` names, the best first: for `auto` GPUs, then software Vulkan, then the CPU.
+pub(super) struct Devices(VecDeque<Open>);
+
+impl Devices {
+    /// What is there for a word of `--device`.
+    pub(super) fn named(device: &str, reference: bool) -> Result<Self> {
+        if reference && device != "cpu" {
+            return Err(Error::usage("--reference is the path tracer on the CPU", "add --device cpu"));
+        }
+        let on_cpu: Open = Box::new(move |scene, plan| Ok(cpu(reference, scene, plan)));
+        let on_gpu = |name: Option<String>| -> Open {
+            Box::new(move |scene, plan| gpu(Context::open(name.as_deref())?, scene, plan))
+        };
+        Ok(Self(match device {
+            "cpu" => [on_cpu].into(),
+            "gpu" => [on_gpu(None)].into(),
+            "auto" => {
+                let mut all: VecDeque<Open> = VecDeque::new();
+                for adapter in joton::gpu::adapters() {
+                    all.push_back(Box::new(move |scene, plan| {
+                        gpu(Context::from_adapter(&adapter)?, scene, plan)
+                    }));
+                }
+                if all.is_empty() {
+                    // it tells what is missing
+                    all.push_back(on_gpu(None));
+                }
+                all.push_back(on_cpu);
+                all
             }
-            let (backend, line, plan) = cpu(false, scene, plan);
-            Ok((backend, format!("{line}, because the GPU cannot be used: {e}"), plan))
-        }),
-        name => gpu(Some(name), scene, &plan),
+            name => [on_gpu(Some(name.into()))].into(),
+        }))
+    }
+
+    /// Open the next one that can be used; its line tells why those before cannot.
+    ///
+    /// # Errors
+    /// What the last one reports.
+    pub(super) fn open(&mut self, scene: &Arc<PackedScene>, plan: &Plan) -> Result<Opened> {
+        let mut because: Vec<String> = Vec::new();
+        while let Some(open) = self.0.pop_front() {
+            match open(scene, plan) {
+                Ok((backend, mut line, plan)) => {
+                    for e in because {
+                        line += &format!(", because the GPU cannot be used: {e}");
+                    }
+                    return Ok((backend, line, plan));
+                }
+                // what is free decides about no picture
+                Err(e @ Error::Memory { .. }) => return Err(e),
+                Err(e) if self.0.is_empty() => return Err(e),
+                Err(e) => because.push(e.to_string()),
+            }
+        }
+        Err(Error::device("no device is left", "choose one with --device"))
+    }
+
+    /// Whether there are more.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 }
 
-fn gpu(name: Option<&str>, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Opened> {
-    let backend = GpuBackend::new(Context::open(name)?, Arc::clone(scene), wanted.clone())?;
+/// Open the device that `--device` names and set it up for a scene.
+pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Result<Opened> {
+    Devices::named(device, reference)?.open(scene, plan)
+}
+
+fn gpu(context: Context, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Opened> {
+    let unusable = |words: String| Error::device(words, "use --device cpu");
+    let backend =
+        guarded(|| GpuBackend::new(context, Arc::clone(scene), wanted.clone())).map_err(unusable)??;
     let (strips, plan) = (backend.needs().strips.count(), backend.needs().plan.clone());
     let mut line = backend.describe();
     if strips > 1 {
@@ -45,10 +99,10 @@ fn gpu(name: Option<&str>, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Op
     Ok((Box::new(backend), line, plan))
 }
 
-fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: Plan) -> Opened {
+fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Opened {
     let (scene, own) = (Arc::clone(scene), plan.clone());
     let backend: Box<dyn Backend> =
         if reference { Box::new(PathTracer::new(scene, own)) } else { Box::new(CpuBackend::new(scene, own)) };
     let line = backend.describe();
-    (backend, line, plan)
+    (backend, line, plan.clone())
 }

@@ -5,6 +5,7 @@ mod compare;
 mod device;
 mod devices;
 mod export;
+mod interrupt;
 mod memory;
 mod plan;
 mod render;
@@ -15,6 +16,7 @@ use joton::Result;
 use joton::pack::PackedScene;
 use joton::plan::{Part, Settings};
 use joton::scene::Scene;
+use std::sync::OnceLock;
 
 /// A progressive photon mapper that runs on the GPU.
 #[derive(Debug, Parser)]
@@ -49,23 +51,29 @@ const INTERRUPTED: u8 = 130;
 
 /// Run a command; its exit code.
 pub(crate) fn run(arguments: Arguments) -> Result<u8> {
-    match arguments.command {
+    let print = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !joton::backend::is_guarded() {
+            print(panic);
+        }
+    }));
+    let code = match arguments.command {
         Command::Render(a) => render::run(&a),
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),
         Command::Export(a) => export::run(&a),
         Command::Bench(a) => bench::run(&a),
         Command::Devices => devices::run(),
-    }
+    }?;
+    check_said().map(|()| code)
 }
 
 /// What clap made of a command line that names no command to run: help and version are an answer, the rest is an
 /// error, which is put into one line.
 pub(crate) fn refuse(e: &clap::Error) -> Result<u8, String> {
     if !e.use_stderr() {
-        // a closed pipe is no error
-        e.print().ok();
-        return Ok(DONE);
+        note_unsaid(e.print());
+        return check_said().map(|()| DONE).map_err(|e| e.to_string());
     }
     if e.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return Err("no command is given; try --help".into());
@@ -79,8 +87,13 @@ pub(crate) fn refuse(e: &clap::Error) -> Result<u8, String> {
 }
 
 /// Pack a scene: what is out of reach is left out, unless it is to be kept.
-fn pack(scene: &Scene, settings: &Settings) -> PackedScene {
-    if settings.keeps(Part::OutOfReach) { PackedScene::whole(scene) } else { PackedScene::new(scene) }
+///
+/// # Errors
+/// [`joton::Error::Capacity`] where there is not the memory for it.
+fn pack(scene: &Scene, settings: &Settings) -> Result<PackedScene> {
+    joton::pack::check_memory(scene)?;
+    let keeps_all = settings.keeps(Part::OutOfReach);
+    Ok(if keeps_all { PackedScene::whole(scene) } else { PackedScene::new(scene) })
 }
 
 /// Print a line to stderr; a closed pipe is no error.
@@ -89,8 +102,26 @@ pub(crate) fn tell(line: impl std::fmt::Display) {
     writeln!(std::io::stderr(), "{line}").ok();
 }
 
-/// Print a line to stdout; a closed pipe is no error.
+/// Print a line to stdout. What stands in the way is told by [`check_said`]: work that writes files goes on.
 fn say(line: impl std::fmt::Display) {
     use std::io::Write;
-    writeln!(std::io::stdout(), "{line}").ok();
+    note_unsaid(writeln!(std::io::stdout(), "{line}"));
+}
+
+/// The first error of stdout.
+static UNSAID: OnceLock<std::io::Error> = OnceLock::new();
+
+/// A closed pipe is no error: who reads has seen enough.
+fn note_unsaid(printed: std::io::Result<()>) {
+    if let Err(e) = printed
+        && e.kind() != std::io::ErrorKind::BrokenPipe
+    {
+        UNSAID.get_or_init(|| e);
+    }
+}
+
+/// Whether all that was said has reached stdout.
+fn check_said() -> Result<()> {
+    note_unsaid(std::io::Write::flush(&mut std::io::stdout()));
+    UNSAID.get().map_or(Ok(()), |e| Err(joton::Error::system("stdout", "write", e)))
 }

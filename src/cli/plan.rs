@@ -46,7 +46,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     if let Some(paths) = &a.paths {
         settings.paths = joton::paths::LightPaths::parse(paths)?;
     }
-    let packed = pack(&scene, &settings);
+    let packed = pack(&scene, &settings)?;
     scene.warnings.extend(joton::pack::doubts(&scene, &packed));
     let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);

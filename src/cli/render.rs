@@ -1,6 +1,7 @@
 //! `joton render SCENE`.
 
-use super::{DONE, INTERRUPTED, device, memory, pack, tell};
+use super::device::Devices;
+use super::{DONE, INTERRUPTED, interrupt, memory, pack, tell};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use joton::backend::{Backend, PASSES_MAX};
@@ -8,12 +9,12 @@ use joton::film;
 use joton::output::{self, display, exr, png};
 use joton::paths::LightPaths;
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
-use joton::render::{Progress, Reason, Stop, render};
+use joton::render::{Failure, Progress, Reason, RenderState, Stop};
 use joton::report::{Circumstances, KernelTime, Report};
 use joton::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// Arguments of `joton render`.
@@ -91,6 +92,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         settings.paths = LightPaths::parse(paths)?;
     }
     let mut scene = joton::scene::load(&a.scene)?;
+    output::check_not_read(outputs.iter().chain(&a.report), &scene.files)?;
     if let Some(size) = a.size {
         scene.resize(size);
     }
@@ -100,40 +102,55 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         }
     };
     film::check_memory(scene.size)?;
-    let packed = Arc::new(pack(&scene, &settings));
+    let packed = Arc::new(pack(&scene, &settings)?);
     scene.warnings.extend(joton::pack::doubts(&scene, &packed));
     for warning in &scene.warnings {
         say(&format!("warning: {warning}"));
     }
-    let plan = Plan::new(&packed, settings);
-    let (mut backend, device, plan) = device::open(&a.device, a.reference, &packed, plan)?;
+    let wanted = Plan::new(&packed, settings);
+    let mut devices = Devices::named(&a.device, a.reference)?;
+    let (mut backend, mut device, mut plan) = devices.open(&packed, &wanted)?;
     say(&device);
     if a.timings {
         backend.measure_kernels();
     }
 
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    // the first Ctrl-C lets the batch end and saves, a second one does not wait
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::SeqCst) {
-            std::process::exit(INTERRUPTED.into());
-        }
-    })
-    .ok();
+    let interrupted = interrupt::watch();
     let bar = if a.quiet { ProgressBar::hidden() } else { progress_bar() };
     let setup_seconds = begin.elapsed().as_secs_f64();
-    let rendered = render(backend.as_mut(), packed.size, stop, |p| {
+    let mut state = RenderState::new(packed.size);
+    let watch = |p: &Progress<'_>| {
         show(&bar, p);
         !interrupted.load(Ordering::SeqCst)
-    })?;
+    };
+    let next = |failed: &Failure| {
+        if devices.is_empty() || interrupted.load(Ordering::SeqCst) {
+            return None;
+        }
+        // where the others do not open either, it is the first failure that is told
+        let (mut backend, line, kept) = devices.open(&packed, &wanted).ok()?;
+        bar.suspend(|| say(&format!("{line}, from pass {} on: {}", failed.passes + 1, failed.what)));
+        if a.timings {
+            backend.measure_kernels();
+        }
+        (device, plan) = (line, kept);
+        Some(backend)
+    };
+    let ended = state.go_on_while_devices_last(backend, stop, watch, next);
     bar.finish_and_clear();
+    let (reason, kernels, failed) = match ended {
+        Ok((reason, backend)) => (reason, kernel_times(backend.as_ref()), None),
+        Err(e) if state.passes() == 0 => return Err(e),
+        Err(e) => (Reason::Failed, Vec::new(), Some(saved_before(e, state.passes()))),
+    };
+    let rendered = state.finish(reason);
 
     let reason = match rendered.reason {
         Reason::Passes => "all passes are done",
         Reason::Time => "the time is up",
         Reason::Error => "the error estimate is small enough",
         Reason::Interrupted => "interrupted",
+        Reason::Failed => "the device failed",
     };
     let error = rendered
         .error_estimate
@@ -151,18 +168,25 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         });
     }
     if let Some(path) = &a.report {
-        let around = Circumstances {
-            device,
-            setup_seconds,
-            kernels: kernel_times(backend.as_ref()),
-            warnings: scene.warnings.clone(),
-        };
+        let around = Circumstances { device, setup_seconds, kernels, warnings: scene.warnings.clone() };
         let report = Report::new(&rendered, &packed, &plan, around);
         let text = serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e))?;
         saved = saved.and(output::write_text(path, &(text + "\n")));
     }
     saved?;
+    if let Some(e) = failed {
+        return Err(e);
+    }
     Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
+}
+
+/// What stopped a render, with how much of it is saved.
+fn saved_before(e: Error, passes: u64) -> Error {
+    let saved = format!("passes 1 to {passes} are saved");
+    match e {
+        Error::Device { what, remedy } => Error::device(format!("{what}; {saved}"), remedy),
+        e => Error::device(e.to_string(), saved),
+    }
 }
 
 /// What the backend measured, longest first.
@@ -203,19 +227,16 @@ fn default_outputs(scene: &Path) -> Vec<PathBuf> {
 
 /// Find out before rendering whether all files can be written, and that none is written over another.
 fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
-    // one name for each file, whether it exists or not
-    let real = |path: &Path| {
-        path.canonicalize().ok().or_else(|| {
-            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            Some(folder.canonicalize().ok()?.join(path.file_name()?))
-        })
-    };
-    let mut taken: Vec<PathBuf> = real(scene).into_iter().collect();
+    let mut taken: Vec<PathBuf> = Vec::new();
     for path in files {
+        output::check_not_read([path], &[scene.to_owned()])?;
         output::check_writable(path)?;
-        let Some(name) = real(path).filter(|p| p.is_file() || !p.exists()) else { continue };
+        let name = output::resolve(path);
+        if name.exists() && !name.is_file() {
+            continue;
+        }
         if taken.contains(&name) {
-            let what = format!("{}: is the scene or named for output twice", path.display());
+            let what = format!("{}: is named for output twice", path.display());
             return Err(Error::usage(what, "give each file a name of its own"));
         }
         taken.push(name);

@@ -28,11 +28,12 @@ pub struct Exported {
     pub spots: bool,
 }
 
-/// Write a scene as Mitsuba 3 XML at `out`, for its rgb variants, and its meshes as PLY beside it. `source` is what
-/// errors name.
+/// Write a scene as Mitsuba 3 XML at `out`, for its rgb variants, and its meshes as PLY beside it: all files are replaced, or
+/// none is. `source` is what errors name.
 ///
 /// # Errors
-/// [`Error::Scene`] where something has no exact counterpart, [`Error::Io`] where a file cannot be written.
+/// [`Error::Scene`] where something has no exact counterpart, [`Error::Io`] where a file cannot be written, [`Error::Usage`] where
+/// one of them is a file that the scene was read from.
 pub fn write_mitsuba(scene: &Scene, source: &Path, out: &Path) -> Result<Exported> {
     let stem = out.file_stem().unwrap_or_default().to_string_lossy();
     if stem.contains('$') {
@@ -44,14 +45,15 @@ pub fn write_mitsuba(scene: &Scene, source: &Path, out: &Path) -> Result<Exporte
     let lights = subset::check_lights(scene, source)?;
     let names: Vec<String> = (0..shapes.len()).map(|i| format!("{stem}.{i}.ply")).collect();
     let text = mitsuba::text(scene, &shapes, &names, lights);
-    let mut files = Vec::new();
-    for (shape, name) in shapes.iter().zip(&names) {
-        let file = out.with_file_name(name);
-        output::write_bytes(&file, &ply::bytes(shape))?;
-        files.push(file);
-    }
-    output::write_text(out, &text)?;
+    let mut files: Vec<PathBuf> = names.iter().map(|name| out.with_file_name(name)).collect();
     files.push(out.to_owned());
+    output::check_not_read(&files, &scene.files)?;
+    let mut parts: Vec<output::Part<'_>> = Vec::new();
+    for (file, shape) in files.iter().zip(&shapes) {
+        parts.push((file.clone(), Box::new(move || ply::bytes(shape))));
+    }
+    parts.push((out.to_owned(), Box::new(|| text.into_bytes())));
+    output::write_set(parts)?;
     let specular = shapes.iter().any(|s| !matches!(s.bsdf, Bsdf::Diffuse(_)));
     let spots = lights.iter().any(|l| matches!(l, Light::Spot { .. }));
     Ok(Exported { files, extent, specular, spots })

@@ -1,5 +1,6 @@
 //! Context: the adapters of this machine and an open device.
 
+use crate::backend::guarded;
 use crate::error::{Error, Result};
 use crate::plan::shape::Machine;
 use std::ops::Range;
@@ -102,6 +103,14 @@ impl Context {
                 first.get_or_insert_with(|| e.to_string());
             }
         }));
+        // a lost device is no error to wgpu: calls do nothing from then on, or fail by what is missing
+        let keep = Arc::clone(&failure);
+        device.set_device_lost_callback(move |_, words| {
+            if let Ok(mut first) = keep.lock() {
+                let why = if words.is_empty() { words } else { format!(": {words}") };
+                *first = Some(format!("the device is lost{why}"));
+            }
+        });
         Ok(Self { device, queue, info, limits, adapter: adapter.clone(), failure })
     }
 
@@ -144,10 +153,17 @@ impl Context {
     /// # Errors
     /// [`Error::Device`] where the device was lost.
     pub fn wait(&self) -> Result<()> {
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| {
-            Error::device(format!("{} stopped answering: {e}", self.info.name), "try --device cpu")
-        })?;
-        self.check()
+        let stopped = |what: &dyn std::fmt::Display| {
+            Error::device(format!("{} stopped answering: {what}", self.info.name), "try --device cpu")
+        };
+        // wgpu panics where it learns while it waits that the device is lost
+        let polled = guarded(|| self.device.poll(wgpu::PollType::wait_indefinitely()));
+        self.check()?;
+        match polled {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(e)) => Err(stopped(&e)),
+            Err(words) => Err(stopped(&words)),
+        }
     }
 
     /// Contents of buffers, through one staging buffer that is kept from call to call.

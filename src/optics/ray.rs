@@ -157,6 +157,7 @@ mod tests {
             materials: vec![Material::matte("m", [0.5; 3])],
             lights: Vec::new(),
             warnings: Vec::new(),
+            files: Vec::new(),
         })
     }
 

@@ -1,15 +1,18 @@
 //! Files that are there whole or not at all: written beside their target, then renamed over it.
 
+use super::names::{folder_of, resolve};
+use super::scratch::{Scratch, remove_stale};
 use crate::error::{Error, Result, words};
-use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
-use std::io::{BufWriter, Cursor, Seek, Write};
+use std::fs::{self, OpenOptions};
+use std::io::{BufWriter, Cursor, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What a format's encoder writes to.
 pub(super) trait Sink: Write + Seek {}
 impl<T: Write + Seek> Sink for T {}
+
+/// What fills a file.
+pub(super) type Encode<'a> = Box<dyn FnOnce(&mut dyn Sink) -> Result<(), String> + 'a>;
 
 /// Let `encode` write a file at `path`. Whatever fails, what was at `path` before stays as it was.
 ///
@@ -19,78 +22,85 @@ pub(super) fn write_atomically(
     path: &Path,
     encode: impl FnOnce(&mut dyn Sink) -> Result<(), String>,
 ) -> Result<()> {
-    let fail = |what: String| Error::io(path, "write", what);
-    match fs::metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(fail("it is a folder; name a file".into())),
-        Ok(meta) if !meta.is_file() => {
-            let mut bytes = Cursor::new(Vec::new());
-            encode(&mut bytes).map_err(fail)?;
-            let mut device = OpenOptions::new().write(true).open(path).map_err(|e| fail(words(&e)))?;
-            return device.write_all(bytes.get_ref()).map_err(|e| fail(words(&e)));
-        }
-        _ => {}
-    }
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let (scratch, file) = Scratch::beside(&target).map_err(|e| fail(words(&e)))?;
-    let mut buffered = BufWriter::new(file);
-    encode(&mut buffered).map_err(fail)?;
-    let file = buffered.into_inner().map_err(|e| fail(words(e.error())))?;
-    // On the disc before the name points to it: a crash leaves the old file or the new one, whole.
-    file.sync_all().map_err(|e| fail(words(&e)))?;
-    drop(file);
-    scratch.rename(&target).map_err(|e| fail(words(&e)))
+    write_all_atomically(vec![(path.to_owned(), Box::new(encode))])
 }
 
-/// Find out, before the work that fills it, whether a file can be written; nothing is changed.
+/// Likewise several files: all are replaced, or none is.
+pub(super) fn write_all_atomically(files: Vec<(PathBuf, Encode<'_>)>) -> Result<()> {
+    let mut whole = Vec::new();
+    let mut in_place = Vec::new();
+    for (path, encode) in files {
+        let fail = |what: String| Error::io(&path, "write", what);
+        match kind_of(&path)? {
+            Kind::Device => {
+                let mut bytes = Cursor::new(Vec::new());
+                encode(&mut bytes).map_err(fail)?;
+                in_place.push((path, bytes.into_inner()));
+            }
+            Kind::File => {
+                let target = resolve(&path);
+                whole.push((scratch(&target, encode).map_err(fail)?, target));
+            }
+        }
+    }
+    for (path, bytes) in in_place {
+        let device = OpenOptions::new().write(true).open(&path);
+        let written = device.and_then(|mut device| device.write_all(&bytes));
+        written.map_err(|e| Error::system(path, "write", &e))?;
+    }
+    Scratch::rename_all(&whole).map_err(|(path, e)| Error::system(path, "write", &e))
+}
+
+/// What is written to.
+enum Kind {
+    /// A regular file, or nothing yet.
+    File,
+    /// A device or a pipe.
+    Device,
+}
+
+/// What a name stands for, links followed.
+fn kind_of(path: &Path) -> Result<Kind> {
+    match fs::metadata(path) {
+        Ok(meta) if meta.is_dir() => Err(Error::io(path, "write", "it is a folder; name a file")),
+        Ok(meta) if !meta.is_file() => Ok(Kind::Device),
+        // links that go round in a circle
+        Err(e) if path.is_symlink() && e.kind() != ErrorKind::NotFound => {
+            Err(Error::system(path, "write", &e))
+        }
+        _ => Ok(Kind::File),
+    }
+}
+
+/// A file beside `target`, filled and on the disc before a name points to it: a crash leaves the old file or the new one,
+/// whole.
+fn scratch(target: &Path, encode: Encode<'_>) -> Result<Scratch, String> {
+    let (scratch, file) = Scratch::beside(target).map_err(|e| words(&e))?;
+    let mut buffered = BufWriter::new(file);
+    encode(&mut buffered)?;
+    let file = buffered.into_inner().map_err(|e| words(e.error()))?;
+    file.sync_all().map_err(|e| words(&e))?;
+    Ok(scratch)
+}
+
+/// Find out, before the work that fills it, whether a file can be written; nothing is changed, but for what killed processes
+/// left half written in its folder.
 ///
 /// # Errors
 /// [`Error::Io`] with what stands in the way.
 pub fn check_writable(path: &Path) -> Result<()> {
     let fail = |what: String| Error::io(path, "write", what);
-    match fs::metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(fail("it is a folder; name a file".into())),
-        Ok(meta) if !meta.is_file() => return Ok(()),
-        _ => {}
+    if let Kind::Device = kind_of(path)? {
+        return Ok(());
     }
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
+    let target = resolve(path);
+    let folder = folder_of(&target);
     if !folder.is_dir() {
         return Err(fail(format!("the folder {} does not exist; create it first", folder.display())));
     }
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    Scratch::beside(&target).map(drop).map_err(|e| fail(words(&e)))
-}
-
-/// A file that is removed unless it is renamed.
-struct Scratch(Option<PathBuf>);
-
-impl Scratch {
-    /// A new file in the folder of `target`: renaming works only within one file system.
-    fn beside(target: &Path) -> std::io::Result<(Self, File)> {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let mut name = OsString::from(".");
-        name.push(target.file_name().ok_or_else(|| std::io::Error::other("it names no file"))?);
-        name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
-        let path = target.with_file_name(name);
-        let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
-        Ok((Self(Some(path)), file))
+    let (_scratch, file) = Scratch::beside(&target).map_err(|e| fail(words(&e)))?;
+    if let Ok(own) = file.metadata() {
+        remove_stale(folder, &own);
     }
-
-    fn rename(mut self, target: &Path) -> std::io::Result<()> {
-        let path = self.0.as_ref().expect("renamed once");
-        fs::rename(path, target)?;
-        self.0 = None;
-        Ok(())
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        if let Some(path) = &self.0 {
-            // Nothing better can be done where even removing fails.
-            let _ = fs::remove_file(path);
-        }
-    }
+    Ok(())
 }

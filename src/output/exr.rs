@@ -6,8 +6,9 @@
 
 use super::atomic::write_atomically;
 use crate::bands::BANDS;
-use crate::error::{Error, Result, words};
+use crate::error::{Error, Result};
 use crate::film::{Image, Layer, Picture};
+use crate::{input, memory};
 use exr::block::lines::LineRefMut;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::math::RoundingMode;
@@ -25,6 +26,8 @@ const CHANNELS: [&str; BANDS] = ["R", "G", "B"];
 /// Bytes that one byte of a file can stand for at most: deflate reaches 1032, the other codecs less. A header that
 /// promises more is broken, and must not decide how much memory is asked for.
 const EXPANSION_MAX: u64 = 1032;
+/// Bytes of memory for a pixel of an image that is read and compared: itself in f32, and its error in f64.
+const MEMORY_PER_PIXEL: u64 = (size_of::<crate::bands::Bands>() + size_of::<f64>()) as u64;
 /// Room for an image that is tiny or empty of anything but its header.
 const EXPANSION_SLACK: u64 = 1 << 20;
 
@@ -122,10 +125,9 @@ fn write(path: &Path, size: &Image, channels: Vec<e::AnyChannel<Band<'_>>>, comm
 /// channels are left aside.
 pub fn read_image(path: &Path) -> Result<Image> {
     let fail = |what: String| Error::io(path, "read", what);
-    let file = File::open(path).map_err(|x| fail(words(&x)))?;
-    let length = file.metadata().map_err(|x| fail(x.to_string()))?.len();
+    let (file, meta) = input::open(path)?;
     let mut reader = BufReader::new(file);
-    check_header(&mut reader, length).map_err(fail)?;
+    check_header(&mut reader, meta.len(), memory::available()).map_err(fail)?;
     reader.rewind().map_err(|x| fail(x.to_string()))?;
     let image = e::read()
         .no_deep_data()
@@ -146,7 +148,7 @@ pub fn read_image(path: &Path) -> Result<Image> {
 }
 
 /// Refuse what cannot be read before any pixel is: with the reason in words that help.
-fn check_header(reader: &mut BufReader<File>, length: u64) -> Result<(), String> {
+fn check_header(reader: &mut BufReader<File>, length: u64, memory_left: Option<u64>) -> Result<(), String> {
     let meta = exr::meta::MetaData::read_from_buffered(reader, false)
         .map_err(|x| format!("it is not a readable OpenEXR file ({x})"))?;
     let has_rgb = |header: &exr::meta::header::Header| {
@@ -173,6 +175,11 @@ fn check_header(reader: &mut BufReader<File>, length: u64) -> Result<(), String>
         return Err(format!(
             "its header promises {width}x{height} pixels, more than {length} bytes can hold"
         ));
+    }
+    let need = pixels.saturating_mul(MEMORY_PER_PIXEL);
+    if memory_left.is_some_and(|left| need > left) {
+        let left = memory_left.unwrap_or(0);
+        return Err(format!("{width}x{height} pixels take {need} bytes of memory, {left} are left"));
     }
     Ok(())
 }

@@ -30,9 +30,32 @@ pub(crate) use surfaces::{rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
 
 use crate::bvh::Bvh;
+use crate::error::{Error, Result};
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
+
+/// Bytes of memory that packing a triangle takes, at least: measured with half a million of them, hierarchy included.
+const BYTES_PER_TRIANGLE: u64 = 192;
+
+/// Refuse a scene that cannot be packed in the memory that is left, before any of it is taken.
+///
+/// # Errors
+/// [`Error::Capacity`] with need and limit.
+pub fn check_memory(scene: &Scene) -> Result<()> {
+    check_left(scene.mesh.triangles.len() as u64, crate::memory::available())
+}
+
+fn check_left(triangles: u64, left: Option<u64>) -> Result<()> {
+    let need = triangles.saturating_mul(BYTES_PER_TRIANGLE);
+    match left {
+        Some(limit) if need > limit => {
+            let remedy = "use fewer triangles or free memory".to_string();
+            Err(Error::Capacity { buffer: "the scene", need, limit, remedy })
+        }
+        _ => Ok(()),
+    }
+}
 
 /// Exponent of the internal radius: scenes are scaled to a bounding radius in [2^9, 2^10), below [`SCENE_RADIUS`].
 const RADIUS_EXPONENT: i32 = 9;
@@ -167,4 +190,19 @@ fn bounds(scene: &Scene) -> (DVec3, DVec3) {
     let used = scene.mesh.triangles.iter().flat_map(|t| t.vertex);
     used.map(|v| scene.mesh.positions[v as usize])
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What fits to the byte is packed; a triangle more is refused, with need and limit. Where nothing is known of the memory,
+    /// nothing is refused.
+    #[test]
+    fn memory_for_packing_is_kept() {
+        let left = 1000 * BYTES_PER_TRIANGLE;
+        assert!(check_left(1000, Some(left)).is_ok() && check_left(u64::MAX, None).is_ok());
+        let e = check_left(1001, Some(left)).expect_err("refused").to_string();
+        assert!(e.contains(&(left + BYTES_PER_TRIANGLE).to_string()) && e.contains(&left.to_string()), "{e}");
+    }
 }

@@ -76,7 +76,8 @@ pub(super) fn within_reach(scene: &Scene, packed: &PackedScene, order: &[u32]) -
     }
     let mesh = Mesh { positions: positions.clone(), normals: scene.mesh.normals.clone(), triangles };
     let (materials, warnings) = (scene.materials.clone(), scene.warnings.clone());
-    Some(Scene { camera: scene.camera, size: scene.size, mesh, materials, lights, warnings })
+    let files = scene.files.clone();
+    Some(Scene { camera: scene.camera, size: scene.size, mesh, materials, lights, warnings, files })
 }
 
 impl Walls<'_> {

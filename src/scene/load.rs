@@ -7,11 +7,11 @@ use super::scene_file::{self, CameraEntry, DEFAULT_SIZE, MeshEntry};
 use super::warnings::{Named, Warnings, listed};
 use super::{Camera, Light, Material, Mesh, Scene, frame, rule, text, validate};
 use crate::bands::{self, BANDS};
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 use glam::DVec3;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Names that an error lists.
 const NAMES_TOLD: usize = 20;
@@ -69,6 +69,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     }
     drop(files);
     assembly.check_overrides()?;
+    let files = [vec![path.to_owned()], std::mem::take(&mut assembly.files)].concat();
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     validate::light(path, &mesh, &materials, &description.lights)?;
@@ -78,7 +79,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
         None => frame::frame(&mesh, &materials, &description.lights, size),
     };
     let warnings = warnings.into_lines();
-    Ok(Scene { camera, size, mesh, materials, lights: description.lights, warnings })
+    Ok(Scene { camera, size, mesh, materials, lights: description.lights, warnings, files })
 }
 
 fn load_obj(path: &Path) -> Result<Scene> {
@@ -87,6 +88,7 @@ fn load_obj(path: &Path) -> Result<Scene> {
     let opened = assembly.open(obj::read(path, &mut warnings)?, path, &mut warnings)?;
     let mesh = opened.file.place(1.0, DVec3::ZERO, &mut warnings)?;
     assembly.add(mesh, opened.first_material, path)?;
+    let files = std::mem::take(&mut assembly.files);
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     let size = DEFAULT_SIZE;
@@ -96,7 +98,7 @@ fn load_obj(path: &Path) -> Result<Scene> {
         warnings.add(path, None, "no light; a point light is put at the camera");
         lights.push(headlight(&camera));
     }
-    Ok(Scene { camera, size, mesh, materials, lights, warnings: warnings.into_lines() })
+    Ok(Scene { camera, size, mesh, materials, lights, warnings: warnings.into_lines(), files })
 }
 
 /// A light at the eye that shows a white surface at the target, seen face on, with radiance 1.
@@ -111,9 +113,13 @@ fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result
         let what = format!("mesh file {} is not of a known format", entry.file.display());
         return Err(Error::scene(scene, Some(entry.line), what, "give an .obj file"));
     }
-    if !entry.file.is_file() {
+    let Ok(meta) = entry.file.metadata() else {
         let what = format!("mesh file {} does not exist", entry.file.display());
         return Err(Error::scene(scene, Some(entry.line), what, "paths are relative to the scene file"));
+    };
+    if let Some(kind) = input::other_kind(&meta) {
+        let what = format!("mesh file {} is a {kind}", entry.file.display());
+        return Err(Error::scene(scene, Some(entry.line), what, "name a file"));
     }
     obj::read(&entry.file, warnings)
 }
@@ -149,6 +155,8 @@ struct Assembly<'a> {
     /// Names of materials that some face uses, each once.
     used: Vec<String>,
     is_used: HashSet<String>,
+    /// Files that were read.
+    files: Vec<PathBuf>,
 }
 
 impl<'a> Assembly<'a> {
@@ -157,8 +165,8 @@ impl<'a> Assembly<'a> {
         for stated in overrides {
             overrides_of.entry(&stated.name).or_default().push(stated);
         }
-        let (mesh, materials, origins, used, is_used) = Default::default();
-        Self { mesh, materials, origins, overrides, overrides_of, used, is_used }
+        let (mesh, materials, origins, used, is_used, files) = Default::default();
+        Self { mesh, materials, origins, overrides, overrides_of, used, is_used, files }
     }
 
     /// The whole, its glass settled.
@@ -183,6 +191,7 @@ impl<'a> Assembly<'a> {
             self.materials.push(material);
             self.origins.push(Origin { file: path.to_owned(), line: *line, thin });
         }
+        self.files.extend(file.files.iter().cloned());
         Ok(Opened { file, first_material })
     }
 

@@ -27,6 +27,7 @@ pub(crate) use warnings::listed;
 pub(crate) use weld::Surface as GlassSurface;
 
 use glam::{DVec3, Vec3};
+use std::path::PathBuf;
 
 /// A validated scene: every index is in range, every number finite, at least one light and one triangle.
 #[derive(Debug, Clone)]
@@ -43,6 +44,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// What was repaired or ignored on the way in, one line each ("box.obj:14: …").
     pub warnings: Vec<String>,
+    /// The files that were read: the scene, its meshes, their material libraries.
+    pub files: Vec<PathBuf>,
 }
 
 /// Triangles over shared vertices.

@@ -7,7 +7,7 @@ use super::clean::{self, Clean};
 use super::mtl::{self, Finder, RawMaterial};
 use super::warnings::{Named, Warnings};
 use super::{Mesh, Triangle, polygon, text};
-use crate::{Error, Result};
+use crate::{Error, Result, input};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -18,6 +18,9 @@ const DEGENERATE_SHARE: f64 = 1e-12;
 const FLAT_TOLERANCE: f64 = 1e-6;
 /// Largest coordinate, world units: squares of distances must stay finite in f32.
 const MAX_COORDINATE: f64 = 1e15;
+
+/// Bytes of memory that a face takes while it is read, at least: three corners and normals of the parser, and a triangle.
+const MEMORY_PER_FACE: u64 = (6 * size_of::<u32>() + size_of::<Triangle>()) as u64;
 
 /// A mesh file, read once; it may be placed several times.
 #[derive(Debug)]
@@ -32,13 +35,17 @@ pub(crate) struct ObjFile {
     pub(crate) materials: Vec<(Option<String>, usize)>,
     /// All that the material libraries define.
     pub(crate) library: Vec<RawMaterial>,
+    /// The files that were read: the mesh and its material libraries.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// Reads an OBJ file and its libraries.
 pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<ObjFile> {
     let source = text::read(path)?;
     let mut clean = clean::clean(&source, path, warnings)?;
-    let library = libraries(&clean, path, warnings);
+    input::check_memory(path, clean.faces.len() as u64 * MEMORY_PER_FACE)?;
+    let mut files = vec![path.to_owned()];
+    let library = libraries(&clean, path, &mut files, warnings);
     let parsed = if clean.faces.is_empty() { None } else { Some(parse(&clean.text, path)?) };
     clean.text = String::new();
     let mut index_of: HashMap<Option<usize>, u32> = HashMap::new();
@@ -51,7 +58,7 @@ pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<ObjFile> {
     }
     let given = parsed.iter().flat_map(|p: &tobj::Mesh| p.normals.as_chunks::<3>().0);
     let normals = given.map(|&n| DVec3::from(n)).collect();
-    Ok(ObjFile { path: path.to_owned(), clean, parsed, normals, index_of, materials, library })
+    Ok(ObjFile { path: path.to_owned(), clean, parsed, normals, index_of, materials, library, files })
 }
 
 impl ObjFile {
@@ -100,8 +107,13 @@ fn parse(text: &str, path: &Path) -> Result<tobj::Mesh> {
 }
 
 /// Reads the libraries that the file names, each once, in the order in which they are named last: of two definitions the
-/// later counts. One that is missing or unreadable is a warning.
-fn libraries(clean: &Clean, path: &Path, warnings: &mut Warnings) -> Vec<RawMaterial> {
+/// later counts. One that is missing or unreadable is a warning. Adds them to `read`.
+fn libraries(
+    clean: &Clean,
+    path: &Path,
+    read: &mut Vec<PathBuf>,
+    warnings: &mut Warnings,
+) -> Vec<RawMaterial> {
     let mut finder = Finder::new(path.parent().unwrap_or(Path::new("")));
     let mut named: HashMap<&str, Vec<Result<PathBuf, String>>> = HashMap::new();
     // where each file is named first, and last
@@ -126,6 +138,7 @@ fn libraries(clean: &Clean, path: &Path, warnings: &mut Warnings) -> Vec<RawMate
     let mut files: Vec<(PathBuf, [usize; 2])> = places.into_iter().collect();
     files.sort_by(|(a, [_, p]), (b, [_, q])| p.cmp(q).then_with(|| a.cmp(b)));
     let mut library = Vec::new();
+    read.extend(files.iter().map(|(file, _)| file.clone()));
     for (file, [first, _]) in files {
         match mtl::read(&file, warnings) {
             Ok(materials) => library.extend(materials),

@@ -4,14 +4,13 @@
 // lines with LF, CRLF or CR; continue a statement with a trailing backslash; and carry control characters at
 // their end. Every reader of this crate sees plain `&str` statements with the number of their first line.
 
-use crate::{Error, Result};
+use crate::{Result, input};
 use std::borrow::Cow;
 use std::path::Path;
 
 /// Reads a file and decodes it.
 pub(crate) fn read(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|e| Error::system(path, "read", &e))?;
-    Ok(decode(&bytes))
+    Ok(decode(&input::read(path)?))
 }
 
 /// Decodes UTF-8, UTF-16 (by its byte order mark) or else Latin-1, in which every byte is a character.

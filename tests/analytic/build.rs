@@ -24,6 +24,7 @@ impl Build {
             materials: Vec::new(),
             lights: Vec::new(),
             warnings: Vec::new(),
+            files: Vec::new(),
         })
     }
 

@@ -6,7 +6,11 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
+
+/// After this a program that should have ended counts as hung.
+const HUNG: Duration = Duration::from_secs(60);
 
 /// A folder with the Cornell box in it, and the program to run there.
 pub struct Folder(TempDir);
@@ -54,6 +58,26 @@ impl Folder {
     /// A run that must fail with status 2, nothing on stdout and one line on stderr that holds all of `parts`.
     pub fn fails(&self, words: &str, parts: &[&str]) {
         self.run(words).is_refusal(words, parts);
+    }
+
+    /// A run that must end.
+    pub fn ends(&self, words: &str) -> Ended {
+        let pipes = || Stdio::piped();
+        let mut child = self.command(words).stdout(pipes()).stderr(pipes()).spawn().expect("joton runs");
+        let begin = Instant::now();
+        while child.try_wait().expect("a status").is_none() {
+            if begin.elapsed() > HUNG {
+                child.kill().expect("killed");
+                panic!("joton {words} does not end");
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        Ended::of(child.wait_with_output().expect("its words"))
+    }
+
+    /// Like [`Folder::fails`], of what might wait for ever.
+    pub fn fails_in_time(&self, words: &str, parts: &[&str]) {
+        self.ends(words).is_refusal(words, parts);
     }
 
     pub fn image(&self, name: &str) -> Image {

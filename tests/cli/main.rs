@@ -5,8 +5,10 @@
 
 mod compare;
 mod devices;
+mod files;
 mod folder;
 mod images;
+mod inputs;
 mod plan;
 mod refusals;
 mod report;

@@ -39,6 +39,46 @@ fn the_first_limit_stops() {
     assert_eq!((&r["stopped_by"], &r["passes"]), (&"passes".into(), &2.into()));
 }
 
+/// A signal that was ignored when the program started, as `nohup` does and shells do for what runs in the background, stays
+/// ignored: the render goes on to its end.
+#[cfg(unix)]
+#[test]
+fn ignored_signals_stay_ignored() {
+    let folder = Folder::new();
+    let render = folder.command(&format!("{QUICK} --time 1.5 -o a.exr --report r.json"));
+    let words: Vec<_> = render.get_args().map(|word| word.to_string_lossy().into_owned()).collect();
+    let program = render.get_program().to_string_lossy().into_owned();
+    for signal in ["HUP", "INT"] {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &format!("trap '' {signal}; exec {program} {}", words.join(" "))]);
+        let mut child = shell.current_dir(folder.path("")).stderr(Stdio::piped()).spawn().expect("a shell");
+        let mut stderr = child.stderr.take().expect("a pipe");
+        std::io::Read::read_exact(&mut stderr, &mut [0]).expect("a line");
+        std::thread::sleep(Duration::from_millis(500));
+        let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+        assert!(sent.expect("kill runs").success());
+        assert_eq!(child.wait().expect("joton ends").code(), Some(0), "{signal}");
+        assert_eq!(folder.report("r.json")["stopped_by"], "time", "{signal}");
+    }
+}
+
+/// A hang-up that nobody ignores ends a render like Ctrl-C, and everything so far is saved.
+#[cfg(unix)]
+#[test]
+fn a_hang_up_saves() {
+    let folder = Folder::new();
+    let words = format!("{QUICK} --time {HUNG} -o a.exr --report r.json");
+    let mut child = folder.command(&words).stderr(Stdio::piped()).spawn().expect("joton runs");
+    let mut stderr = child.stderr.take().expect("a pipe");
+    std::io::Read::read_exact(&mut stderr, &mut [0]).expect("a line");
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(
+        Command::new("kill").args(["-HUP", &child.id().to_string()]).status().expect("kill runs").success()
+    );
+    assert_eq!(child.wait().expect("joton ends").code(), Some(130));
+    assert_eq!(folder.report("r.json")["stopped_by"], "interrupted");
+}
+
 /// Ctrl-C ends a render with status 130, and everything so far is saved.
 #[cfg(unix)]
 #[test]

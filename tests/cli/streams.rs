@@ -31,6 +31,52 @@ fn a_closed_pipe_is_no_error() {
     assert_eq!(child.wait().expect("joton ends").code(), Some(0), "stderr closed");
 }
 
+/// What stdout does not take is an error in one line, whichever the command; files are written all the same.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disc_is_told() {
+    let folder = Folder::new();
+    folder.done(&format!("{QUICK} --passes 1 -o a.exr"));
+    let bench = "bench cornell.toml --size 16x16 --device cpu --times 0.01";
+    for words in [
+        "plan cornell.toml",
+        "plan cornell.toml --json",
+        "devices",
+        "--help",
+        "compare a.exr a.exr --heatmap h.png",
+        bench,
+    ] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let output = folder.command(words).stdout(full).output().expect("joton runs");
+        let told = String::from_utf8(output.stderr).expect("UTF-8");
+        // bench tells its devices, too
+        let last = told.lines().last().unwrap_or_default();
+        assert!(
+            last.contains("stdout: cannot write") && last.contains("No space left"),
+            "joton {words}: {told}"
+        );
+        assert_eq!(output.status.code(), Some(2), "joton {words}: {told}");
+    }
+    for file in ["h.png", "bench.csv", "bench.svg"] {
+        assert!(folder.path(file).exists(), "{file}");
+    }
+}
+
+/// A machine without windows hears nothing of them: libwayland does not complain, since no layer asks it.
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_is_said_of_windows() {
+    let folder = Folder::new();
+    for words in ["devices", "render cornell.toml --size 32x32 --passes 1 --quiet -o a.exr"] {
+        let mut command = folder.command(words);
+        for name in ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "DISPLAY", "NODEVICE_SELECT"] {
+            command.env_remove(name);
+        }
+        let ended = crate::folder::Ended::of(command.output().expect("joton runs"));
+        assert_eq!((ended.code, ended.stderr), (Some(0), String::new()), "joton {words}");
+    }
+}
+
 /// Help and version are answers: stdout, status 0.
 #[test]
 fn help_goes_to_stdout() {

@@ -26,6 +26,7 @@ impl Builder {
                 materials: Vec::new(),
                 lights: Vec::new(),
                 warnings: Vec::new(),
+                files: Vec::new(),
             },
         }
     }

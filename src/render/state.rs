@@ -1,0 +1,315 @@
+//! State: what a render has found so far, and the loop that goes on from there.
+
+use super::{DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, Stop};
+use crate::backend::{Backend, PASSES_MAX, Tally, guarded};
+use crate::bands::BANDS;
+use crate::error::Result;
+use crate::film::Layer;
+use crate::glints::{self, Glints};
+use crate::halves::{self, ErrorEstimate, Halves};
+use crate::quiet::Quiet;
+use crate::rest::{EXPONENT_MAX, Rest};
+use std::time::Instant;
+
+/// Passes before an error estimate is trusted.
+const ERROR_PASSES: u64 = 4;
+
+/// What a render has found so far: all that it takes to go on.
+pub struct RenderState {
+    size: [u32; 2],
+    sums: Halves,
+    /// Who may rest, where the first device lets pixels rest.
+    quiet: Option<Quiet>,
+    glimpses: glints::Watch,
+    /// Who had trees last.
+    glints: Option<Glints>,
+    tally: Tally,
+    imbalance: Imbalance,
+    passes: u64,
+    error: Option<ErrorEstimate>,
+    /// Seconds of rendering, and processor seconds of all threads.
+    reading: [f64; 2],
+    failures: Vec<Failure>,
+}
+
+impl RenderState {
+    /// Nothing rendered yet.
+    pub fn new(size: [u32; 2]) -> Self {
+        Self {
+            size,
+            sums: Halves::new(size),
+            quiet: None,
+            glimpses: glints::Watch::new(size),
+            glints: None,
+            tally: Tally::default(),
+            imbalance: Imbalance::default(),
+            passes: 0,
+            error: None,
+            reading: [0.0; 2],
+            failures: Vec::new(),
+        }
+    }
+
+    /// Passes in the picture: the first so many.
+    pub fn passes(&self) -> u64 {
+        self.passes
+    }
+
+    /// Render until `stop` on `backend`; where it fails, go on with what `next` gives. Why it stopped, and the device that was
+    /// in use then.
+    ///
+    /// # Errors
+    /// What the last device reports when `next` has none. The passes before are still there.
+    pub fn go_on_while_devices_last(
+        &mut self,
+        mut backend: Box<dyn Backend>,
+        stop: Stop,
+        mut watch: impl FnMut(&Progress<'_>) -> bool,
+        mut next: impl FnMut(&Failure) -> Option<Box<dyn Backend>>,
+    ) -> Result<(Reason, Box<dyn Backend>)> {
+        loop {
+            let e = match self.go_on(backend.as_mut(), stop, &mut watch) {
+                Ok(reason) => return Ok((reason, backend)),
+                Err(e) => e,
+            };
+            let failure = Failure { device: backend.describe(), passes: self.passes, what: e.to_string() };
+            // its memory is free before the next one asks for some; where even that fails, nothing better can be done
+            guarded(|| drop(backend)).ok();
+            let found = next(&failure);
+            self.failures.push(failure);
+            backend = found.ok_or(e)?;
+        }
+    }
+
+    /// Render on from the passes so far until `stop`, which counts those, too.
+    ///
+    /// # Errors
+    /// What the backend reports. The passes before are still there.
+    pub fn go_on(
+        &mut self,
+        backend: &mut dyn Backend,
+        stop: Stop,
+        mut watch: impl FnMut(&Progress<'_>) -> bool,
+    ) -> Result<Reason> {
+        let stop = if stop == Stop::default() {
+            Stop { error: Some(DEFAULT_ERROR), seconds: Some(DEFAULT_SECONDS), passes: None }
+        } else {
+            stop
+        };
+        if self.passes > 0
+            && let Some(reason) = self.reason(stop, true)
+        {
+            return Ok(reason);
+        }
+        self.set_up(backend)?;
+        let mut clock = Clock::start();
+        clock.go_on_from(self.reading);
+        loop {
+            let count = self.batch_passes(backend, stop);
+            let added = self.add_batch(backend, count);
+            self.reading = clock.read();
+            added?;
+            let go_on = watch(&self.progress(stop));
+            clock.go_on_from(self.reading);
+            if let Some(reason) = self.reason(stop, go_on) {
+                return Ok(reason);
+            }
+        }
+    }
+
+    /// Tell a backend who rests and who has trees.
+    fn set_up(&mut self, backend: &mut dyn Backend) -> Result<()> {
+        let can_rest = backend.rest(&Rest::none(self.size));
+        if self.passes == 0 {
+            self.quiet = can_rest.then(|| Quiet::new(self.size));
+            return Ok(());
+        }
+        if can_rest {
+            backend.rest(self.sums.film().rest());
+        } else {
+            // pixels that rest get their samples, and more that nobody asked for, until they wake
+            self.quiet = None;
+        }
+        if let (Some(own), Some(before)) = (backend.glints(), &self.glints) {
+            let joined = own.joined(before);
+            backend.set_glints(joined)?;
+        }
+        Ok(())
+    }
+
+    /// Passes of the next batch: a power of two, which blocks of resting tiles are whole parts of, or whole multiples.
+    fn batch_passes(&self, backend: &dyn Backend, stop: Stop) -> u64 {
+        if self.quiet.is_none() && !self.sums.film().rest().is_none() {
+            // the film takes single samples, and the device sums all
+            return 1;
+        }
+        // it begins at a multiple of it, wherever another device stopped
+        let aligned = 1 << self.passes.trailing_zeros().min(u64::BITS - 1);
+        batch(self.passes, backend.batch_passes(self.passes), most(stop)).min(aligned)
+    }
+
+    /// Render a batch and add it. Where the backend fails, the batch is in whole or not at all.
+    fn add_batch(&mut self, backend: &mut dyn Backend, count: u64) -> Result<()> {
+        let mut batch = backend.render(self.passes, count as u32)?;
+        // black layers are not summed
+        for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
+            batch.layers[layer as usize] = Vec::new();
+        }
+        self.sums.add(self.passes, count, &batch.layers, mean_blur(backend, self.passes, count));
+        self.tally += batch.tally;
+        self.imbalance.add(count, &batch.tally);
+        if let Some(quiet) = &mut self.quiet {
+            quiet.watch(self.passes, count, &batch.layers);
+        }
+        self.passes += count;
+        if is_estimated(self.passes) {
+            self.error = self.sums.error();
+        }
+        if let Some(glints) = backend.glints() {
+            self.glimpses.watch(count, &batch.layers[Layer::Emission as usize], glints);
+            if self.passes > 1 && self.passes.is_power_of_two() {
+                let grown = self.glimpses.grown(glints, self.sums.film());
+                self.glints = Some(grown.clone());
+                backend.set_glints(grown)?;
+            }
+        }
+        match &mut self.quiet {
+            Some(quiet) => {
+                if let Some(rest) = quiet.renew(self.passes, backend.glints()) {
+                    backend.rest(rest);
+                    self.sums.set_rest(rest.clone());
+                }
+            }
+            // all blocks end here
+            None if self.passes.is_multiple_of(1 << EXPONENT_MAX) && !self.sums.film().rest().is_none() => {
+                self.sums.set_rest(Rest::none(self.size));
+            }
+            None => {}
+        }
+        Ok(())
+    }
+
+    fn progress(&self, stop: Stop) -> Progress<'_> {
+        let [seconds, cpu_seconds] = self.reading;
+        let part = |value: f64, limit: Option<f64>| limit.map_or(0.0, |l| value / l);
+        let by_error = match (self.error, stop.error) {
+            (Some(e), Some(l)) => (l / e.total).powi(2),
+            _ => 0.0,
+        };
+        let by_passes = part(self.passes as f64, stop.passes.map(|p| p as f64));
+        let done = by_passes.max(part(seconds, stop.seconds)).max(by_error).min(1.0);
+        let (passes, error) = (self.passes, self.error);
+        Progress { passes, seconds, error, done, cpu_seconds, tally: &self.tally, halves: &self.sums }
+    }
+
+    /// Why to stop here, if so.
+    fn reason(&self, stop: Stop, go_on: bool) -> Option<Reason> {
+        let is_small = |limit: f64| self.error.is_some_and(|e| e.total <= limit);
+        if self.passes >= most(stop) {
+            Some(Reason::Passes)
+        } else if stop.error.is_some_and(is_small) {
+            Some(Reason::Error)
+        } else if !go_on {
+            Some(Reason::Interrupted)
+        } else if stop.seconds.is_some_and(|most| self.reading[0] >= most) {
+            Some(Reason::Time)
+        } else {
+            None
+        }
+    }
+
+    /// The picture of the passes so far, and what is known of it.
+    pub fn finish(self, reason: Reason) -> Rendered {
+        let [seconds, cpu_seconds] = self.reading;
+        let error_estimate = if self.passes < ERROR_PASSES || is_estimated(self.passes) {
+            self.error
+        } else {
+            self.sums.error()
+        };
+        Rendered {
+            picture: self.sums.picture(),
+            passes: self.passes,
+            seconds,
+            cpu_seconds,
+            tally: self.tally,
+            energy_error: self.imbalance.relative_error(),
+            error_estimate,
+            reason,
+            failures: self.failures,
+        }
+    }
+}
+
+/// Passes in all, at most.
+fn most(stop: Stop) -> u64 {
+    stop.passes.unwrap_or(PASSES_MAX).min(PASSES_MAX)
+}
+
+/// Passes of the batch from pass `first` on, where the backend would like so many, of `most` in all: powers of two, which blocks
+/// of resting tiles are whole parts of, or whole multiples.
+pub(super) fn batch(first: u64, wanted: u32, most: u64) -> u64 {
+    1 << u64::from(wanted).min(halves::run(first)).min(most - first).ilog2()
+}
+
+/// Whether the error is estimated after so many passes: after each one first, later after every sixteenth part of them, so
+/// that it costs nothing.
+fn is_estimated(passes: u64) -> bool {
+    passes >= ERROR_PASSES && passes.is_multiple_of(1 << passes.ilog2().saturating_sub(4))
+}
+
+/// Mean of the maps' blur over `count` passes.
+fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> f64 {
+    (first..first + count).map(|pass| backend.blur(pass)).sum::<f64>() / count as f64
+}
+
+/// Spread between batches of emitted − absorbed − escaped.
+#[derive(Default)]
+struct Imbalance {
+    batches: Vec<(f64, f64)>,
+    emitted: f64,
+}
+
+impl Imbalance {
+    fn add(&mut self, passes: u64, t: &Tally) {
+        let total = |x: &[f64; BANDS]| x.iter().sum::<f64>();
+        self.batches.push((passes as f64, total(&t.emitted) - total(&t.absorbed) - total(&t.escaped)));
+        self.emitted += total(&t.emitted);
+    }
+
+    /// Standard error of the sum over the emitted flux.
+    fn relative_error(&self) -> Option<f64> {
+        let n = self.batches.len() as f64;
+        if n < 2.0 || self.emitted <= 0.0 {
+            return None;
+        }
+        let passes: f64 = self.batches.iter().map(|b| b.0).sum();
+        let mean: f64 = self.batches.iter().map(|b| b.1).sum::<f64>() / passes;
+        let per_pass = self.batches.iter().map(|(p, d)| (d - p * mean).powi(2) / p).sum::<f64>() / (n - 1.0);
+        Some((per_pass * passes).sqrt() / self.emitted)
+    }
+}
+
+/// Seconds of rendering, without what the watcher does in between.
+#[derive(Debug)]
+struct Clock {
+    since: Instant,
+    cpu_since: cpu_time::ProcessTime,
+    before: [f64; 2],
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { since: Instant::now(), cpu_since: cpu_time::ProcessTime::now(), before: [0.0; 2] }
+    }
+
+    /// Seconds, and processor seconds of all threads.
+    fn read(&self) -> [f64; 2] {
+        let now = [self.since.elapsed(), self.cpu_since.elapsed()].map(|d| d.as_secs_f64());
+        [self.before[0] + now[0], self.before[1] + now[1]]
+    }
+
+    /// Go on from an earlier reading.
+    fn go_on_from(&mut self, reading: [f64; 2]) {
+        *self = Self { before: reading, ..Self::start() };
+    }
+}
