@@ -1,10 +1,11 @@
 //! Kernels: what a pass dispatches, how much work that is, and what it costs, told without a device.
 //!
-//! **Costs** are milliseconds of a reference machine: two idle cores, lavapipe of Mesa 22.3.6 (LLVM 15, 8 lanes). Unit
-//! costs were fitted by hand to `--timings` of the first 8 passes at 256 × 256 of three scenes: the Cornell box (38
-//! triangles), the box with a glass and a mirror sphere (41,000) and a pool seen through waves (40,500), and the sum then
-//! compared with half the CPU seconds of a first pass (median of three seeds): told 107, 206, 310, measured 113, 204, 310;
-//! scenes/ furnace 115 and 107, pool 277 and 280, ring 121 and 84, spheres 191 and 191. Other machines differ in all of it.
+//! **Work** is counted, not guessed: a few thousand paths tell how many nodes and triangles rays look at, and how many jotons and
+//! area points lie in the buckets that discs look through ([`super::traffic`], [`super::discs`]). A test holds it to what is there.
+//!
+//! **Costs** are milliseconds of a reference machine: two idle cores, lavapipe of Mesa 22.3.6 (LLVM 15, 8 lanes). Unit costs
+//! were fitted by hand to `--timings` of 15 scenes at 192 × 192 and 512 × 512 (docs/BENCHMARKS.md, "What a plan tells"). Other
+//! machines differ in all of it.
 
 use super::Schedule;
 use super::buffers::{AREA_KEY_BITS, Needs, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
