@@ -56,7 +56,7 @@ pub(super) struct RenderArguments {
     /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
-    /// Memory of the device's buffers, at most, e.g. 512M or 2G [default: what the device allows and the machine has free].
+    /// Memory of the device's buffers, at most, e.g. 512M or 2G [default: what the device allows].
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
     /// Exposure of PNG files: auto, or a number of stops.

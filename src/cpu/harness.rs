@@ -2,12 +2,15 @@
 
 use super::eye::camera_ray;
 use super::streams::*;
+use super::trace::jotons;
+use crate::backend::Tally;
 use crate::bands::Bands;
 use crate::optics::bsdf::sample_mirror;
 use crate::optics::cone::{Beam, into_targets};
 use crate::optics::emit::{self, Start};
 use crate::optics::ray::Surface;
 use crate::pack::{Guide, NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
+use crate::plan::Plan;
 use crate::rng::sequence2;
 use glam::Vec3;
 
@@ -34,6 +37,12 @@ pub const DIMENSIONS: [u32; 7] = [
     DIMENSION_GLINT,
     DIMENSION_UNSEEN,
 ];
+
+/// Where the jotons of a map are stored in a pass.
+pub fn stored(scene: &PackedScene, plan: &Plan, pass: u32, caustic: bool) -> Vec<Vec3> {
+    let jotons = jotons(scene, plan, pass, caustic, &mut Tally::default());
+    jotons.iter().map(|joton| joton.position).collect()
+}
 
 /// Origin, direction and flux of joton `index`, of `count` a pass, by a guide; none where it would carry nothing.
 pub fn emit(

@@ -1,10 +1,11 @@
 //! Kernels: what a pass dispatches, how much work that is, and what it costs, told without a device.
 //!
-//! **Costs** are milliseconds of a reference machine: two idle cores, lavapipe of Mesa 22.3.6 (LLVM 15, 8 lanes). Unit
-//! costs were fitted by hand to `--timings` of the first 8 passes at 256 × 256 of three scenes: the Cornell box (38
-//! triangles), the box with a glass and a mirror sphere (41,000) and a pool seen through waves (40,500), and the sum then
-//! compared with half the CPU seconds of a first pass (median of three seeds): told 107, 206, 310, measured 113, 204, 310;
-//! scenes/ furnace 115 and 107, pool 277 and 280, ring 121 and 84, spheres 191 and 191. Other machines differ in all of it.
+//! **Work** is counted, not guessed: a few thousand paths tell how many nodes and triangles rays look at, and how many jotons and
+//! area points lie in the buckets that discs look through ([`super::traffic`], [`super::discs`]). A test holds it to what is there.
+//!
+//! **Costs** are milliseconds of a reference machine: two idle cores, lavapipe of Mesa 22.3.6 (LLVM 15, 8 lanes). Unit costs
+//! were fitted by hand to `--timings` of 15 scenes at 192 × 192 and 512 × 512 (docs/BENCHMARKS.md, "What a plan tells"). Other
+//! machines differ in all of it.
 
 use super::Schedule;
 use super::buffers::{AREA_KEY_BITS, Needs, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
@@ -16,6 +17,7 @@ use crate::film::Layer;
 use crate::layout::{GatherPoint, Joton, Lane, TILE};
 use crate::pack::scatter_area_points;
 use glam::Vec3;
+use std::f64::consts::PI;
 
 /// A kernel in a pass: all its dispatches together.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -42,22 +44,24 @@ pub struct Kernel {
 
 /// Nanoseconds of a ray from the eye or to a light, and of a node or triangle that it looks at: neighbours look at the same.
 const RAY_COHERENT: f64 = 30.0;
-const STEP_COHERENT: f64 = 6.0;
+const STEP_COHERENT: f64 = 18.0;
 /// The same of a joton's ray: the invocations that run in step wait for each other.
-const RAY_SCATTERED: f64 = 60.0;
-const STEP_SCATTERED: f64 = 20.0;
-/// Part of a ray's cost in a scene that lies in uniform buffers.
-const SMALL_SHARE: f64 = 0.75;
+const RAY_SCATTERED: f64 = 30.0;
+const STEP_SCATTERED: f64 = 36.0;
+/// Part of what a node or triangle costs in a scene that lies in uniform buffers.
+const SMALL_SHARE: f64 = 0.3;
 /// Nanoseconds of a joton or area point that is tested.
-const TEST: f64 = 1.7;
+const TEST: f64 = 1.5;
+/// … and more of a joton that may be weighed by a glossy lobe.
+const TEST_GLOSSY: f64 = 6.0;
 /// Nanoseconds of an invocation, over its rays, tests and bytes.
 const INVOCATION: f64 = 5.0;
 /// Nanoseconds of what is done with a ray from the eye where it ends, with one to a light, and to start a joton.
 const EYE: f64 = 40.0;
-const DIRECT: f64 = 100.0;
-const EMISSION: f64 = 120.0;
+const DIRECT: f64 = 175.0;
+const EMISSION: f64 = 60.0;
 /// Nanoseconds of a gather point: its row of cells, its walls.
-const GATHER: f64 = 150.0;
+const GATHER: f64 = 200.0;
 /// Nanoseconds of a byte.
 const BYTE: f64 = 0.12;
 /// Nanoseconds of a dispatch.
@@ -65,6 +69,8 @@ const DISPATCH: f64 = 6000.0;
 
 /// Area points that a plan looks at to tell how they lie.
 const AREA_SAMPLES: usize = 1 << 14;
+/// Area points in a disc below which it never looks whole: chance moves their centroid.
+const POINTS_FEW: f64 = 100.0;
 /// Rays of a pixel's trees for each of its eye path, where there are trees.
 const GLINT_RAYS: f64 = 4.0;
 /// Part of the pixels on the edges of lamps.
@@ -191,18 +197,26 @@ impl Needs<'_> {
         let pixels: Vec<u64> = strips.iter().map(tiles).collect();
         let point = size_of::<GatherPoint>() as f64;
         let points = traffic.camera.stored;
-        let gather =
-            |tests: f64| Work { tests, bytes: point + FILM, rest: points * GATHER, ..Work::default() };
+        let work = |tests: f64, glossy: f64| Work {
+            tests,
+            bytes: point + FILM,
+            rest: points * GATHER + glossy * TEST_GLOSSY,
+            ..Work::default()
+        };
+        let over_places = |tests: &dyn Fn(&Place) -> f64| traffic.mean_of_places(tests);
+        let glossy = |place: &Place, tests: f64| if place.is_glossy { tests } else { 0.0 };
         let (Some(shape), schedule) = (self.shapes.of(kind), self.schedule(kind)) else { return };
         let radius = schedule.radius(0) as f32;
         let stored = f64::from(shape.emitted) * traffic.of(kind).stored;
         let grid = Grid::new(self.scene.bounds, radius, shape.key_bits());
         let jotons = Looked::new(grid, &traffic.stored[kind as usize], stored);
+        let tests = |place: &Place| {
+            let caustic = || caustic_radius(self.plan, place, &jotons);
+            jotons.tests(place.position, if kind == Kind::Caustic { caustic() } else { radius })
+        };
+        let gather = work(over_places(&tests), over_places(&|place| glossy(place, tests(place))));
         if kind == Kind::Caustic {
-            let tests = traffic.mean_of_places(|place| {
-                jotons.tests(place.position, caustic_radius(self.plan, place, &jotons))
-            });
-            list.add("gather", map, &pixels, gather(tests));
+            list.add("gather", map, &pixels, gather);
             return;
         }
         let most = area_points_most(self.plan.settings.memory);
@@ -211,13 +225,13 @@ impl Needs<'_> {
         let sample: Vec<Vec3> = sample.iter().map(|p| p.position).collect();
         let all = wanted as f64 * sample.len() as f64 / wanted.min(AREA_SAMPLES) as f64;
         let area_points = Looked::new(Grid::new(self.scene.bounds, radius, AREA_KEY_BITS), &sample, all);
-        let tests = |is_looked_at: &dyn Fn(&Place) -> bool, looked: &Looked| {
-            traffic.mean_of_places(|place| {
-                if is_looked_at(place) { looked.tests(place.position, radius) } else { 0.0 }
-            })
+        let discs = self.scene.diffuse_area / (PI * schedule.radius(0).powi(2));
+        let are_few = (wanted as f64) < POINTS_FEW * discs;
+        let cut = |place: &Place| {
+            if place.is_cut || are_few { area_points.tests(place.position, radius) } else { 0.0 }
         };
-        list.add("boundary", map, &pixels, gather(tests(&|place| place.is_cut, &area_points)));
-        list.add("gather", map, &pixels, gather(tests(&|_| true, &jotons)));
+        list.add("boundary", map, &pixels, work(over_places(&cut), 0.0));
+        list.add("gather", map, &pixels, gather);
     }
 
     fn schedule(&self, kind: Kind) -> &Schedule {
@@ -227,7 +241,7 @@ impl Needs<'_> {
 
 /// Collects kernels and what they cost.
 struct List {
-    /// Factor on the cost of a ray.
+    /// Factor on the cost of a node or triangle.
     small: f64,
     kernels: Vec<Kernel>,
 }

@@ -198,6 +198,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
                 found.place = Some(Place {
                     position: s.position,
                     footprint: length * scene.pixel_angle(),
+                    is_glossy: s.flags().has_glossy(),
                     is_cut: event > 0 || plan.traces(Layer::Diffuse) && is_cut(scene, &s, radius),
                 });
                 found.shadow = shadow(scene, plan, &s, [u0, u1, u_lobe]);
