@@ -310,7 +310,7 @@ fn meet<T: Face>(origin: Vec3A, direction: Vec3A, triangle: &T) -> Option<Meetin
     let slack = |long: f32| (EDGE_SLACK + rounding * long).min(EDGE_SLACK_MAX);
     let (slack_u, slack_v) = (slack(long_2), slack(long_1));
     let is_met = u >= -slack_u && v >= -slack_v && u + v <= 1.0 + slack_u.max(slack_v);
-    (is_met && t > 0.0 && det != 0.0).then(|| Meeting {
+    (is_met && t > 0.0 && det != 0.0).then_some(Meeting {
         t,
         t_error: rounding * long_1 * long_2,
         u,

@@ -109,6 +109,14 @@ fn plate_with_ball(plate_of: Material, ball: Material, size: u32) -> Scene {
     with_ball(plate(plate_of, size), [0., 0.301, 0.], 0.3, false, ball)
 }
 
+/// The plate under a lamp and a red one in the same place, cut along the other diagonal, that looks down.
+fn doubled_plate(size: u32) -> Scene {
+    let mut b = Builder { scene: plate(white(), size) };
+    let red = b.material(Material::matte("red", [0.7, 0.1, 0.1]));
+    b.quad([1., 0., -1.], [-2., 0., 0.], [0., 0., 2.], red);
+    b.scene
+}
+
 /// A wide room under six times six lamps, of which the near ones give most of the light.
 pub fn hall(size: u32) -> Scene {
     const LAMPS: u32 = 6;
@@ -272,6 +280,12 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::AllLightsAreSurfaces,
             case("a plate and a ball", plate_with_ball(white(), white(), size)),
             case("the same with a sun", sunny(plate_with_ball(white(), white(), size))),
+        ),
+        twins(
+            Part::Contacts,
+            Reason::NothingTouches,
+            case("a plate", plate(white(), size)),
+            case("a plate of two colours", doubled_plate(size)),
         ),
         twins(
             Part::PathFilter,

@@ -86,6 +86,7 @@ fn deprived(mut plan: Plan, part: Part) -> Option<Plan> {
         Part::GlossyLobes => &mut features.glossy,
         Part::ShadingNormals => &mut features.smooth_normals,
         Part::DeltaLights => &mut features.delta_lights,
+        Part::Contacts => &mut features.contacts,
         Part::PathFilter => &mut features.path_filter,
         _ => return None,
     };
@@ -109,7 +110,7 @@ fn leaving_out_what_is_needed_changes_the_image() {
             assert!(own != less, "{:?}, {side:?}: {}", t.part, t.with.name);
         }
     }
-    assert_eq!(done.len(), 10, "{done:?}");
+    assert_eq!(done.len(), 11, "{done:?}");
 }
 
 /// What is not skipped cannot be kept: where a scene needs a part, `--no-skip` leaves plan and image as they are.

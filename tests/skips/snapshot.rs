@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 20] = [
+const REASONS: [Reason; 21] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -50,6 +50,7 @@ const REASONS: [Reason; 20] = [
     Reason::NoGlossySurface,
     Reason::AllFlat,
     Reason::AllLightsAreSurfaces,
+    Reason::NothingTouches,
     Reason::AllPathsWanted,
     Reason::NothingLearned,
     Reason::OneDirection,
