@@ -1,5 +1,6 @@
 //! Triangles and materials as plain arrays.
 
+use super::winding::corner;
 use crate::bands::{BLACK, Bands, add, is_black};
 use crate::bvh::Edges;
 use crate::layout::gpu_struct;
@@ -182,10 +183,11 @@ pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> 
 }
 
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
-/// `emitter` holds 0 where the material emits.
+/// `emitter` holds 0 where the material emits. `vertices` are turned already where a triangle is.
 pub(super) fn pack(
     scene: &Scene,
     vertices: &[[Vec3; 3]],
+    turned: &[bool],
     order: &[u32],
 ) -> (Vec<PackedTriangle>, Vec<[Vec3; 3]>) {
     let any_smooth = scene.mesh.triangles.iter().any(|t| t.normal.is_some());
@@ -207,7 +209,8 @@ pub(super) fn pack(
         triangles.push(packed);
         if any_smooth {
             normals.push(match t.normal {
-                Some(n) => [0, 1, 2].map(|k| scene.mesh.normals[n[from_first(k)] as usize]),
+                Some(n) => [0, 1, 2]
+                    .map(|k| scene.mesh.normals[n[corner(turned[i as usize], from_first(k))] as usize]),
                 None => [packed.normal(); 3],
             });
         }
