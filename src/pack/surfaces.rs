@@ -209,8 +209,12 @@ pub(super) fn pack(
         triangles.push(packed);
         if any_smooth {
             normals.push(match t.normal {
-                Some(n) => [0, 1, 2]
-                    .map(|k| scene.mesh.normals[n[corner(turned[i as usize], from_first(k))] as usize]),
+                Some(n) => {
+                    // they are of the front, which is the other one where a triangle is turned
+                    let is_turned = turned[i as usize];
+                    let sign = if is_turned { -1.0 } else { 1.0 };
+                    [0, 1, 2].map(|k| sign * scene.mesh.normals[n[corner(is_turned, from_first(k))] as usize])
+                }
                 None => [packed.normal(); 3],
             });
         }

@@ -142,8 +142,8 @@ struct Body {
 }
 
 impl Body {
-    /// True where all faces, made alike, show the camera or the outside their backs. Open bodies go with their shading
-    /// normals, or most of their area.
+    /// True where all faces, made alike, show the camera or the outside their backs. Open bodies go with most of
+    /// their area.
     fn is_against(&self, scene: &Scene) -> bool {
         let mesh = &scene.mesh;
         let eye = scene.camera.position;
@@ -159,11 +159,7 @@ impl Body {
             let normal = (b - a).cross(c - a);
             volume += (a - origin).dot(normal);
             covered += solid_angle([a, b, c].map(|p| p - eye));
-            agrees += match mesh.triangles[i as usize].normal {
-                Some(n) => normal.dot(n.iter().map(|&n| mesh.normals[n as usize].as_dvec3()).sum()),
-                None if flipped => -normal.length(),
-                None => normal.length(),
-            };
+            agrees += if flipped { -normal.length() } else { normal.length() };
         }
         let covered = covered / (2.0 * TAU);
         if !self.closed {

@@ -187,6 +187,30 @@ fn bodies_are_turned_alike() {
     assert!(outward(0) && outward(1));
 }
 
+/// Shading normals are of the front that a triangle comes to have: those of a smooth ball point outward, whichever way its
+/// faces came, with normals of their own front as the reader of files leaves them.
+#[test]
+fn shading_normals_turn_with_their_faces() {
+    let mut b = Builder::new([0., 0., 5.], [0.; 3], [0., 1., 0.], 0.5, 8);
+    let matte = b.matte(0.5);
+    b.icosphere([0.; 3], 1.0, 2, true, matte);
+    for (i, t) in (0u32..).zip(&mut b.scene.mesh.triangles) {
+        if random4(1, 2, i, 3)[0] < 0.4 {
+            t.vertex.swap(1, 2);
+            if let Some(n) = &mut t.normal {
+                n.swap(1, 2);
+                n.iter().for_each(|&n| b.scene.mesh.normals[n as usize] *= -1.0);
+            }
+        }
+    }
+    let packed = PackedScene::whole(&b.scene);
+    for (t, normals) in packed.triangles.iter().zip(&packed.shading_normals) {
+        for (v, n) in t.vertices().into_iter().zip(normals) {
+            assert!(n.dot(v.normalize()) > 0.9999 && n.dot(t.normal()) > 0.9, "{n} at {v}");
+        }
+    }
+}
+
 /// What a front means stays: light from a lamp's face, the inside of glass, one of two colours in one place.
 #[test]
 fn fronts_that_mean_something_stay() {
