@@ -16,6 +16,7 @@ mod marks;
 mod reach;
 mod surfaces;
 mod targets;
+mod winding;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
 pub use camera::{CameraRay, PackedCamera};
@@ -31,7 +32,7 @@ pub use targets::{MAX_TARGETS, Target};
 
 use crate::bvh::Bvh;
 use crate::error::{Error, Result};
-use crate::scene::Scene;
+use crate::scene::{Scene, Triangle};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
@@ -137,18 +138,18 @@ impl PackedScene {
         let internal = |p: DVec3| (p - world_center) / world_scale;
         let to_internal = |p: DVec3| internal(p).as_vec3();
 
-        let vertices: Vec<[Vec3; 3]> = scene
-            .mesh
-            .triangles
-            .iter()
-            .map(|t| t.vertex.map(|v| to_internal(scene.mesh.positions[v as usize])))
-            .collect();
+        let turned = winding::turned(scene);
+        let vertices_of = |(t, turned): (&Triangle, &bool)| {
+            let vertex = |k| t.vertex[winding::corner(*turned, k)] as usize;
+            [0, 1, 2].map(|k| to_internal(scene.mesh.positions[vertex(k)]))
+        };
+        let vertices: Vec<[Vec3; 3]> = scene.mesh.triangles.iter().zip(&turned).map(vertices_of).collect();
         let kept = without_copies(scene, &vertices);
         let corners: Vec<[Vec3; 3]> = kept.iter().map(|&i| vertices[i as usize]).collect();
         let (bvh, order) = Bvh::build(&corners);
         let order: Vec<u32> = order.into_iter().map(|i| kept[i as usize]).collect();
         let materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
-        let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &order);
+        let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &turned, &order);
         let internal_bounds = [to_internal(lo), to_internal(hi)];
         let emitters = emitters::pack(scene, &mut triangles, world_scale, internal, internal_bounds);
         let total_flux = std::array::from_fn(|b| emitters.iter().map(|e| f64::from(e.flux[b])).sum::<f64>());

@@ -1,5 +1,6 @@
 //! Triangles and materials as plain arrays.
 
+use super::winding::corner;
 use crate::bands::{BLACK, Bands, is_black};
 use crate::bvh::Face;
 use crate::layout::gpu_struct;
@@ -236,10 +237,11 @@ fn flags(is_smooth: bool, material: &Material) -> u32 {
 }
 
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
-/// `emitter` holds 0 where the material emits.
+/// `emitter` holds 0 where the material emits. `vertices` are turned already where a triangle is.
 pub(super) fn pack(
     scene: &Scene,
     vertices: &[[Vec3; 3]],
+    turned: &[bool],
     order: &[u32],
 ) -> (Vec<PackedTriangle>, Vec<[Vec3; 3]>) {
     let any_smooth = scene.mesh.triangles.iter().any(|t| t.normal.is_some());
@@ -261,7 +263,12 @@ pub(super) fn pack(
         triangles.push(packed);
         if any_smooth {
             normals.push(match t.normal {
-                Some(n) => [0, 1, 2].map(|k| scene.mesh.normals[n[from_first(k)] as usize]),
+                Some(n) => {
+                    // they are of the front, which is the other one where a triangle is turned
+                    let is_turned = turned[i as usize];
+                    let sign = if is_turned { -1.0 } else { 1.0 };
+                    [0, 1, 2].map(|k| sign * scene.mesh.normals[n[corner(is_turned, from_first(k))] as usize])
+                }
                 None => [packed.normal(); 3],
             });
         }

@@ -27,3 +27,4 @@ mod renders;
 mod reservoir;
 mod rest;
 mod walls;
+mod winding;
