@@ -14,6 +14,7 @@
 // import: shared/camera.wgsl
 // import: shared/survival.wgsl
 // import: shared/paths.wgsl
+// import: shared/reservoir.wgsl
 // import: shared/splits.wgsl
 // import: shared/trees.wgsl
 
@@ -59,9 +60,26 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
     let camera = camera_ray(pixel, jitter);
     var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0);
     var alive = true;
+    // A tree may have more rays than an invocation's loops. From half of its steps on one way goes on for all that are left,
+    // picked by what they carry: to let each end by chance instead makes the few that remain hundreds of times too bright.
+    let shared_steps = steps + (budget - min(steps, budget)) / 2u;
+    var alone = false;
     // each turn is a ray of whatever way: lanes that run in step do not wait for the ends of each other's ways
     while alive || waits > 0u {
-        if !alive {
+        if !alone && steps > shared_steps {
+            alone = true;
+            var all = Reservoir(0.0, random4(pass_info.seed, number, pixel, DIMENSION_GLINT_ALONE).x);
+            if alive {
+                takes(&all, max_band(way.throughput));
+            }
+            for (var w = 0u; w < waits; w += 1u) {
+                if takes(&all, max_band(waiting[w].throughput)) {
+                    way = waiting[w];
+                }
+            }
+            way.throughput *= all.total / max_band(way.throughput);
+            waits = 0u;
+        } else if !alive {
             waits -= 1u;
             way = waiting[waits];
         }
@@ -91,7 +109,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
         let random = random4(seed, number.x, pixel, DIMENSION_GLINT + node);
         node += 1u;
         // nothing is scattered or absorbed by chance here: only specular events lead to light
-        let both = HAS_DIELECTRIC && takes_both(way.splits, c);
+        let both = HAS_DIELECTRIC && !alone && takes_both(way.splits, c);
         let reflects = select(random.x * specular < c.reflect, c.reflect <= c.transmit, both);
         let event = select(select(EVENT_TRANSMIT, EVENT_REFLECT, reflects), EVENT_MIRROR, c.mirror > 0.0);
         let greater = select(EVENT_REFLECT, EVENT_TRANSMIT, reflects);
