@@ -16,8 +16,6 @@ const PER_LAMP: usize = 64;
 /// Lamps, lights and triangles that are looked at, at most, evenly spread in their lists.
 const LAMPS: usize = 256;
 const TRIANGLES: usize = 4096;
-/// Shining triangles that the camera may see.
-const SHINING: usize = 64;
 /// What lies above a lamp by less than this part of the lamp's size covers it.
 const COVERED: f32 = 1e-3;
 /// Faces nearer than this, in internal units, touch: two units in the last place of the largest coordinates.
@@ -35,7 +33,7 @@ const NAMES: usize = 3;
 pub fn doubts(scene: &Scene, packed: &PackedScene) -> Vec<String> {
     let look = Look { scene, packed };
     let mut lines: Vec<String> = Vec::new();
-    lines.extend(look.camera_inside().or_else(|| look.lights_outside()));
+    lines.extend(look.lights_outside());
     lines.extend(look.lamps_that_light_nothing());
     lines.extend(look.lights_inside());
     lines.extend(look.glass_on_walls());
@@ -97,27 +95,14 @@ impl<'a> Look<'a> {
         let lights = |n: usize| if n == 1 { "light lies" } else { "lights lie" };
         let room = "outside of the closed walls around the camera, and none of their light gets in";
         if self.packed.emitters.is_empty() {
-            return Some(
-                "all light comes from outside of the closed walls around the camera: the picture is black"
-                    .into(),
-            );
+            let around = self.hit(self.packed.camera.eye, around(0)).map(|(_, t)| self.name(t));
+            let walls = around.map_or(String::new(), |name| format!(" of \"{name}\""));
+            return Some(format!(
+                "all light comes from outside of the closed walls{walls} around the camera: the picture is black; move the camera \
+                 if it stands inside a body"
+            ));
         }
         (out > 0).then(|| format!("{out} of {} {} {room}", self.scene.lights.len(), lights(out)))
-    }
-
-    fn camera_inside(&self) -> Option<String> {
-        let eye = self.packed.camera.eye;
-        let body = self.backs_around(eye)?;
-        let is_lit = some(&self.packed.emitters, SHINING).any(|e| match e.kind {
-            kind if kind == EmitterKind::Triangle as u32 => {
-                let (middle, normal) = (e.circle().0, e.e1.cross(e.e2).normalize_or_zero());
-                (eye - middle).dot(normal) > 0.0 && self.sees(eye, middle + normal * LIFT)
-            }
-            kind if kind == EmitterKind::Sun as u32 => false,
-            _ => self.sees(eye, e.origin),
-        });
-        let what = "the camera is inside an opaque body, and sees no light";
-        (!is_lit).then(|| format!("{what}: around it are the backs of \"{}\"", self.name(body)))
     }
 
     fn lamps_that_light_nothing(&self) -> Option<String> {

@@ -80,7 +80,10 @@ fn camera_inside_a_body() {
         cuboid("wall", [-1.; 3], [1.; 3], false, &[]),
         cuboid("wall", [2.; 3], [3.; 3], false, &[])
     );
-    only(&about(&closed, [0., 0., 0.1], SUN), &["the camera is inside an opaque body", "\"wall\""]);
+    only(
+        &about(&closed, [0., 0., 0.1], SUN),
+        &["all light comes from outside of the closed walls of \"wall\" around the camera", "inside a body"],
+    );
     only(&about(&room("wall", false), [0.; 3], &point([0., 1., 0.])), &[]);
 }
 
