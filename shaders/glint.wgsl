@@ -68,7 +68,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
     while alive || waits > 0u {
         if !alone && steps > shared_steps {
             alone = true;
-            var all = Reservoir(0.0, random4(pass_info.seed, number, pixel, DIMENSION_GLINT_ALONE).x);
+            var all = Reservoir(0.0, random4(seed, number.x, pixel, DIMENSION_GLINT_ALONE).x);
             if alive {
                 takes(&all, max_band(way.throughput));
             }

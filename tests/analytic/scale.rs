@@ -248,5 +248,5 @@ fn a_camera_far_away_with_a_narrow_field_of_view() {
 
 #[test]
 fn a_small_subject_on_a_wide_floor() {
-    everyone().into_iter().for_each(|who| check(who, Far { light: 1e4, floor: 1e3, ..NEAR }));
+    everyone().into_iter().for_each(|who| check(who, Far { light: 1e4, floor: 1e4, ..NEAR }));
 }
