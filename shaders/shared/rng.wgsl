@@ -99,6 +99,5 @@ const DIMENSION_DIRECT: u32 = 0x10000u;
 const DIMENSION_CAUSTIC: u32 = 0x20000u;
 const DIMENSION_DIFFUSE: u32 = 0x30000u;
 const DIMENSION_GLINT: u32 = 0x40000u;
-// The last of those of a tree.
-const DIMENSION_GLINT_ALONE: u32 = 0x4ffffu;
 const DIMENSION_UNSEEN: u32 = 0x50000u;
+const DIMENSION_GLINT_ALONE: u32 = 0x60000u;
