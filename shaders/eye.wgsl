@@ -48,7 +48,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
 
     loop {
         rays += 1u;
-        let hit = trace_ray(start.origin, direction, 1e30, start.t_back, false, vec3(0.0));
+        let hit = nearest_hit(start.origin, direction, start.t_back);
         if hit.triangle == MISS {
             break;
         }

@@ -85,7 +85,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
         }
         alive = false;
         found.rays += 1u;
-        let hit = trace_ray(way.origin, way.direction, 1e30, way.t_back, false, vec3(0.0));
+        let hit = nearest_hit(way.origin, way.direction, way.t_back);
         if hit.triangle == MISS {
             continue;
         }

@@ -76,7 +76,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         let number = index + (lane.started - 1u) * map_info.lanes;
         let is_first = tally.rays == rays_before;
-        let hit = trace_ray(lane.origin, lane.direction, 1e30, lane.t_back, false, vec3(0.0));
+        let hit = nearest_hit(lane.origin, lane.direction, lane.t_back);
         if traversal_cut {
             // the next dispatch has the driver's whole budget for this ray; where that was not enough, nothing is
             lane.status |= select(0u, LANE_CUT | LANE_DONE, is_first);

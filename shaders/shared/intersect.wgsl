@@ -65,6 +65,11 @@ fn traverse(origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, any_hit: bool
     return trace_ray(origin, direction, t_limit, 0.0, any_hit, origin + direction * t_limit);
 }
 
+// The nearest hit of a ray that starts at a surface or at the eye; see trace_ray for t_back.
+fn nearest_hit(origin: vec3<f32>, direction: vec3<f32>, t_back: f32) -> Hit {
+    return trace_ray(origin, direction, 1e30, t_back, false, vec3(0.0));
+}
+
 // True where something lies between two points that are lifted off their surfaces; direction and distance from one to the
 // other.
 fn is_occluded(origin: vec3<f32>, direction: vec3<f32>, distance: f32, end: vec3<f32>) -> bool {

@@ -73,7 +73,7 @@ impl<'a> Look<'a> {
     }
 
     fn sees(&self, from: Vec3, to: Vec3) -> bool {
-        !self.packed.bvh.occluded(&self.packed.triangles, from, to - from, 1.0)
+        !self.packed.bvh.stands_between(&self.packed.triangles, from, to)
     }
 
     /// The triangle whose back is met first in every direction, if all are opaque.

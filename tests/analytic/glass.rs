@@ -10,52 +10,42 @@ const ALBEDO: [f32; 3] = [0.8, 0.5, 0.2];
 const SUN: [f32; 3] = [1.0, 2.0, 3.0];
 const WATER: f64 = 1.33;
 
-/// [A6] The floor behind a parallel slab has the sun's irradiance times (1−R)/(1+R), in the caustic layer alone.
-#[test]
-fn slab_transmits_by_two_interfaces() {
-    for degrees in [0f64, 45.0, 70.0] {
-        let angle = degrees.to_radians();
-        let mut b = Build::new(v(0., -0.1, 0.17), v(0., 0., 0.), 0.4, 16);
-        b.floor(v(0., 0., 0.), 0.5, &matte(ALBEDO));
-        // wide enough that no light from its sides reaches what is seen
-        b.cuboid(v(-1.1, -0.4, 0.2), v(0.4, 0.4, 0.25), true, &clear(1.5));
-        b.sun(v(angle.sin(), 0., -angle.cos()), SUN);
-        let r = reflectance(angle, 1.5);
-        let irradiance = angle.cos() * (1.0 - r) / (1.0 + r);
-        let want = std::array::from_fn(|i| wide(ALBEDO)[i] / PI * wide(SUN)[i] * irradiance);
-        for who in mappers() {
-            let shot = render(who, &b.0, "LDE|LS+DE", 48);
-            // noise of some 30,000 jotons, 10,000 at 70°
-            shot.claim(&format!("slab {degrees}°"), shot.layer(Layer::Caustic), want, 0.03);
-            shot.claim(&format!("slab {degrees}°, direct"), shot.layer(Layer::Direct), [0.0; 3], 0.0);
-        }
+/// [A6] The sun at an angle on a floor behind glass that `put` puts there: the floor has its irradiance times (1−R)/(1+R), in the
+/// caustic layer alone.
+fn glass_transmits_by_two_faces(glass: &str, degrees: f64, put: impl Fn(&mut Build)) {
+    let angle = degrees.to_radians();
+    let mut b = Build::new(v(0., -0.1, 0.17), v(0., 0., 0.), 0.4, 16);
+    b.floor(v(0., 0., 0.), 0.5, &matte(ALBEDO));
+    put(&mut b);
+    b.sun(v(angle.sin(), 0., -angle.cos()), SUN);
+    let r = reflectance(angle, 1.5);
+    let irradiance = angle.cos() * (1.0 - r) / (1.0 + r);
+    let want = std::array::from_fn(|i| wide(ALBEDO)[i] / PI * wide(SUN)[i] * irradiance);
+    for who in mappers() {
+        let shot = render(who, &b.0, "LDE|LS+DE", 48);
+        // noise of some 30,000 jotons, 10,000 at 70°
+        shot.claim(&format!("{glass} {degrees}°"), shot.layer(Layer::Caustic), want, 0.03);
+        shot.claim(&format!("{glass} {degrees}°, direct"), shot.layer(Layer::Direct), [0.0; 3], 0.0);
     }
 }
 
-/// [A6] The floor behind a single quad of thin glass has what the closed slab lets through: times (1−R)/(1+R), whichever way
-/// the quad looks, and where the pane puts no bend into the light: the shadow of a plate on the pane is in its place.
+/// A parallel slab.
+#[test]
+fn slab_transmits_by_two_interfaces() {
+    for degrees in [0f64, 45.0, 70.0] {
+        // wide enough that no light from its sides reaches what is seen
+        let (low, high) = (v(-1.1, -0.4, 0.2), v(0.4, 0.4, 0.25));
+        glass_transmits_by_two_faces("slab", degrees, |b| b.cuboid(low, high, true, &clear(1.5)));
+    }
+}
+
+/// A single quad of thin glass lets through what the closed slab does, whichever way it looks.
 #[test]
 fn pane_transmits_as_the_slab_does() {
     for (degrees, looks_up) in [(0f64, true), (45.0, false), (70.0, true)] {
-        let angle = degrees.to_radians();
-        let mut b = Build::new(v(0., -0.1, 0.17), v(0., 0., 0.), 0.4, 16);
-        b.floor(v(0., 0., 0.), 0.5, &matte(ALBEDO));
         let (corner, x, y) = (v(-1.1, -0.4, 0.2), v(1.5, 0., 0.), v(0., 0.8, 0.));
-        if looks_up {
-            b.quad(corner, x, y, &pane(1.5));
-        } else {
-            b.quad(corner, y, x, &pane(1.5));
-        }
-        b.sun(v(angle.sin(), 0., -angle.cos()), SUN);
-        let r = reflectance(angle, 1.5);
-        let irradiance = angle.cos() * (1.0 - r) / (1.0 + r);
-        let want = std::array::from_fn(|i| wide(ALBEDO)[i] / PI * wide(SUN)[i] * irradiance);
-        for who in mappers() {
-            let shot = render(who, &b.0, "LDE|LS+DE", 48);
-            // noise of some 30,000 jotons, 10,000 at 70°
-            shot.claim(&format!("pane {degrees}°"), shot.layer(Layer::Caustic), want, 0.03);
-            shot.claim(&format!("pane {degrees}°, direct"), shot.layer(Layer::Direct), [0.0; 3], 0.0);
-        }
+        let [u, w] = if looks_up { [x, y] } else { [y, x] };
+        glass_transmits_by_two_faces("pane", degrees, |b| b.quad(corner, u, w, &pane(1.5)));
     }
 }
 
