@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::pack::without_copies;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
-use std::collections::{BTreeMap, HashMap};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Rounding to f32 may move a vertex by this part of the scene's size: a hundredth of a pixel of an image of 1000.
@@ -78,7 +79,7 @@ fn shape<'a>(
         normals: Vec::new(),
         triangles: Vec::with_capacity(triangles.len()),
     };
-    let mut index_of: HashMap<(u32, Option<u32>), u32> = HashMap::new();
+    let mut index_of: FxHashMap<(u32, Option<u32>), u32> = FxHashMap::default();
     for &i in triangles {
         let t = &scene.mesh.triangles[i as usize];
         let normals = t.normal.filter(|_| smooth);

@@ -170,6 +170,9 @@ impl<'a> Look<'a> {
     }
 
     fn glass_on_walls(&self) -> Option<String> {
+        if !self.packed.has_contacts {
+            return None;
+        }
         let is_glass = |t: &PackedTriangle| self.flags(t).is_dielectric();
         let (glass, walls): (Vec<&PackedTriangle>, Vec<&PackedTriangle>) =
             self.packed.triangles.iter().partition(|t| is_glass(t));

@@ -8,7 +8,7 @@
 use super::PackedScene;
 use crate::scene::{Light, Mesh, Scene, Triangle};
 use glam::{DVec3, Vec3};
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::PI;
 
 /// What is nearer to the walls than this, in internal units, is not told from them: 32 units in the last place of the
@@ -118,8 +118,8 @@ impl Walls<'_> {
     /// Bounds of the walls that are covered from one side on, world units, where they enclose the camera and have at most so
     /// many sides.
     fn room(&self, start: Side, most: usize) -> Option<[DVec3; 2]> {
-        let mut edges: HashMap<EdgeBits, Vec<Flap>> = HashMap::new();
-        let (mut covered, mut known) = (vec![start], HashSet::from([start]));
+        let mut edges: FxHashMap<EdgeBits, Vec<Flap>> = FxHashMap::default();
+        let (mut covered, mut known) = (vec![start], FxHashSet::from_iter([start]));
         let mut next = 0;
         while let Some(&side) = covered.get(next) {
             let corners = self.corners(side.0);

@@ -6,7 +6,7 @@ use crate::bvh::Face;
 use crate::layout::gpu_struct;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
-use std::collections::HashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 /// [`PackedTriangle::emitter`] of a triangle that emits nothing.
 pub const NO_EMITTER: u32 = u32::MAX;
@@ -209,7 +209,8 @@ pub fn first_corner(vertices: [Vec3; 3]) -> usize {
 /// would only shine once more and make the hierarchy deep. What shines is kept before what does not, what is opaque before
 /// glass (flush with an opaque face, glass is in optical contact), and the first of the file before the others.
 pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
-    let mut kept: HashMap<[[u32; 3]; 3], u32> = HashMap::with_capacity(vertices.len());
+    let mut kept: FxHashMap<[[u32; 3]; 3], u32> =
+        FxHashMap::with_capacity_and_hasher(vertices.len(), FxBuildHasher);
     let rank = |i: u32| {
         let material = &scene.materials[scene.mesh.triangles[i as usize].material as usize];
         (is_black(&material.emission), material.dielectric.is_some(), i)

@@ -3,7 +3,7 @@
 use super::surfaces::{PackedMaterial, PackedTriangle};
 use crate::layout::gpu_struct;
 use glam::Vec3;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Most targets that emission aims at; bodies beyond are merged with their nearest neighbours.
 pub const MAX_TARGETS: usize = 16;
@@ -26,7 +26,7 @@ pub(super) fn find(triangles: &[PackedTriangle], materials: &[PackedMaterial]) -
     let specular: Vec<&PackedTriangle> =
         triangles.iter().filter(|t| materials[t.material as usize].flags().has_delta()).collect();
     let mut parent: Vec<usize> = (0..specular.len()).collect();
-    let mut first_at: HashMap<[i32; 3], usize> = HashMap::new();
+    let mut first_at: FxHashMap<[i32; 3], usize> = FxHashMap::default();
     for (i, t) in specular.iter().enumerate() {
         for v in t.vertices() {
             let key = v.to_array().map(|x| (x * QUANTUM).round() as i32);
@@ -35,7 +35,7 @@ pub(super) fn find(triangles: &[PackedTriangle], materials: &[PackedMaterial]) -
             parent[a.max(b)] = a.min(b);
         }
     }
-    let mut bodies: HashMap<usize, (Vec3, Vec3)> = HashMap::new();
+    let mut bodies: FxHashMap<usize, (Vec3, Vec3)> = FxHashMap::default();
     for (i, t) in specular.iter().enumerate() {
         let body = bodies.entry(root(&mut parent, i)).or_insert((Vec3::INFINITY, Vec3::NEG_INFINITY));
         for v in t.vertices() {
@@ -51,7 +51,7 @@ pub(super) fn find(triangles: &[PackedTriangle], materials: &[PackedMaterial]) -
             Target { center, radius: 0.0 }
         })
         .collect();
-    let slot: HashMap<usize, usize> = keys.iter().enumerate().map(|(s, &k)| (k, s)).collect();
+    let slot: FxHashMap<usize, usize> = keys.iter().enumerate().map(|(s, &k)| (k, s)).collect();
     for (i, t) in specular.iter().enumerate() {
         let s = &mut spheres[slot[&root(&mut parent, i)]];
         for v in t.vertices() {

@@ -8,7 +8,7 @@
 use crate::bands::is_black;
 use crate::scene::{Scene, Triangle};
 use glam::DVec3;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::f64::consts::TAU;
 
 /// Part of the sphere of directions that a closed body covers, seen from within, is one; seen from outside none.
@@ -31,7 +31,7 @@ pub(super) fn turned(scene: &Scene) -> Vec<bool> {
     for edge in flaps.chunk_by_mut(|a, b| a.edge == b.edge) {
         join(scene, edge, &mut joined, &mut open, &mut free);
     }
-    let mut bodies: HashMap<u32, Body> = HashMap::new();
+    let mut bodies: FxHashMap<u32, Body> = FxHashMap::default();
     for triangle in 0..corners.len() as u32 {
         let (root, against) = joined.root(triangle);
         let body = bodies.entry(root).or_insert(Body { triangles: Vec::new(), closed: true });
@@ -56,7 +56,7 @@ fn is_free(scene: &Scene, t: &Triangle) -> bool {
 
 /// Corners of each triangle, with one number for all vertices of one position.
 fn welded(scene: &Scene) -> Vec<[u32; 3]> {
-    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
     let number = |p: &DVec3| {
         let next = known.len() as u32;
         // minus zero is zero

@@ -9,7 +9,7 @@ use crate::rng::purpose::{DIMENSION_SEEN, STREAM_SEEN};
 use crate::rng::{random4, sequence_seed, sobol2};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Camera paths: one for this many pixels, between these.
 const PIXELS_PER_PATH: usize = 4;
@@ -37,7 +37,7 @@ pub(super) struct SeenPoint {
 
 /// Cells in which gather points lie: level and place, and along which of the six axes surfaces face there.
 pub(super) struct Seen {
-    cells: HashMap<[i32; 4], u8>,
+    cells: FxHashMap<[i32; 4], u8>,
     /// Levels in use; a cell of level k is 2^k internal units wide.
     levels: Vec<i32>,
     points: Vec<SeenPoint>,
@@ -67,7 +67,7 @@ impl Seen {
         let spacing = scene.pixel_angle() * (scene.pixels() as f32 / paths as f32).sqrt();
         let points: Vec<SeenPoint> =
             (0..paths as u32).into_par_iter().filter_map(|i| gather_point(scene, seed, i)).collect();
-        let mut cells: HashMap<[i32; 4], u8> = HashMap::new();
+        let mut cells: FxHashMap<[i32; 4], u8> = FxHashMap::default();
         for p in &points {
             let level = (SPACINGS * spacing * p.length).max(f32::MIN_POSITIVE).log2().ceil() as i32;
             let half = 0.5 * (level as f32).exp2();

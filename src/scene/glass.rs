@@ -14,7 +14,7 @@ use super::warnings::{Named, Warnings};
 use super::weld::{Surface, surfaces};
 use super::{Material, Mesh};
 use glam::DVec3;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::path::PathBuf;
 
 /// Lids of a sheet over its area, at least.
@@ -165,7 +165,7 @@ fn shapes(surfaces: &[Surface], mesh: &Mesh, materials: &[Material]) -> Vec<Shap
             (false, _) => Shape::Holed,
         })
         .collect();
-    let mut by_rim: HashMap<[i64; 4], Vec<usize>> = HashMap::new();
+    let mut by_rim: FxHashMap<[i64; 4], Vec<usize>> = FxHashMap::default();
     for (i, s) in surfaces.iter().enumerate() {
         if shapes[i] != Shape::Sheet || s.open_edges == 0 {
             continue;
@@ -267,7 +267,7 @@ fn is_held(surface: &Surface, all: &[Surface]) -> bool {
 
 /// Turns triangles over, with their shading normals.
 fn flip(mesh: &mut Mesh, triangles: &[u32]) {
-    let mut opposite: HashMap<u32, u32> = HashMap::new();
+    let mut opposite: FxHashMap<u32, u32> = FxHashMap::default();
     for &i in triangles {
         let t = &mut mesh.triangles[i as usize];
         t.vertex.swap(1, 2);
@@ -291,7 +291,7 @@ fn mark(mesh: &mut Mesh, materials: &mut Vec<Material>, thin: &[u32]) {
     for (t, _) in mesh.triangles.iter().zip(&is_thin).filter(|(_, thin)| !**thin) {
         has_body[t.material as usize] = true;
     }
-    let mut pane_of: HashMap<u32, u32> = HashMap::new();
+    let mut pane_of: FxHashMap<u32, u32> = FxHashMap::default();
     for &i in thin {
         let number = mesh.triangles[i as usize].material;
         let pane = *pane_of.entry(number).or_insert_with(|| {

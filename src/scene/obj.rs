@@ -9,6 +9,7 @@ use super::warnings::{Named, Warnings};
 use super::{Mesh, Triangle, polygon, text};
 use crate::{Error, Result, input};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -30,7 +31,7 @@ pub(crate) struct ObjFile {
     parsed: Option<tobj::Mesh>,
     normals: Vec<DVec3>,
     /// For each material of the file its place in `materials`.
-    index_of: HashMap<Option<usize>, u32>,
+    index_of: FxHashMap<Option<usize>, u32>,
     /// Materials in order of first use: name (none before any `usemtl`) and the line of the first face.
     pub(crate) materials: Vec<(Option<String>, usize)>,
     /// All that the material libraries define.
@@ -48,7 +49,7 @@ pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<ObjFile> {
     let library = libraries(&clean, path, &mut files, warnings);
     let parsed = if clean.faces.is_empty() { None } else { Some(parse(&clean.text, path)?) };
     clean.text = String::new();
-    let mut index_of: HashMap<Option<usize>, u32> = HashMap::new();
+    let mut index_of: FxHashMap<Option<usize>, u32> = FxHashMap::default();
     let mut materials: Vec<(Option<String>, usize)> = Vec::new();
     for face in &clean.faces {
         index_of.entry(face.material).or_insert_with(|| {
@@ -65,7 +66,7 @@ impl ObjFile {
     /// The triangles, with `scale` · position + `translate`; [`Triangle::material`] indexes `materials`.
     pub(crate) fn place(&self, scale: f64, translate: DVec3, warnings: &mut Warnings) -> Result<Mesh> {
         let path = &self.path;
-        let mut builder = Builder { path, mesh: Mesh::default(), normal_of: HashMap::new(), warnings };
+        let mut builder = Builder { path, mesh: Mesh::default(), normal_of: FxHashMap::default(), warnings };
         let Some(parsed) = &self.parsed else { return Ok(builder.mesh) };
         let placed = |&p: &[f64; 3]| DVec3::from(p) * scale + translate;
         builder.mesh.positions = parsed.positions.as_chunks::<3>().0.iter().map(placed).collect();
@@ -152,7 +153,7 @@ struct Builder<'a> {
     path: &'a Path,
     mesh: Mesh,
     /// From a normal of the file, as it is or turned over, to one of the mesh.
-    normal_of: HashMap<(u32, bool), u32>,
+    normal_of: FxHashMap<(u32, bool), u32>,
     warnings: &'a mut Warnings,
 }
 

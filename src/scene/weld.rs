@@ -2,7 +2,7 @@
 
 use super::{Material, Mesh};
 use glam::DVec3;
-use std::collections::HashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 /// Corners nearer than this share of the size of all glass are one: what exporters round differently at a seam.
 const WELD_SHARE: f64 = 1e-7;
@@ -47,7 +47,7 @@ pub(crate) fn surfaces(mesh: &Mesh, materials: &[Material]) -> Vec<Surface> {
     let is_glass = |i: &u32| materials[mesh.triangles[*i as usize].material as usize].dielectric.is_some();
     let glass: Vec<u32> = (0..mesh.triangles.len() as u32).filter(is_glass).collect();
     let corners = welded(mesh, &glass);
-    let mut seen: HashMap<[u32; 3], u32> = HashMap::with_capacity(glass.len());
+    let mut seen: FxHashMap<[u32; 3], u32> = FxHashMap::with_capacity_and_hasher(glass.len(), FxBuildHasher);
     // of triangles with the same corners the first counts
     let first: Vec<u32> = (0..glass.len() as u32)
         .map(|k| {
@@ -66,7 +66,7 @@ pub(crate) fn surfaces(mesh: &Mesh, materials: &[Material]) -> Vec<Surface> {
     }
     // where a sliver without area was dropped, or an edge is cut on one side only, a body falls into pieces
     let mut parent: Vec<u32> = (0..found.len() as u32).collect();
-    let mut met: HashMap<u32, u32> = HashMap::new();
+    let mut met: FxHashMap<u32, u32> = FxHashMap::default();
     for (edge, ([k, _], _)) in edges.at.iter().filter(|(_, (_, count))| *count == 1) {
         for corner in edge {
             let surface = surface_of[*k as usize];
@@ -91,9 +91,9 @@ fn welded(mesh: &Mesh, glass: &[u32]) -> Vec<[u32; 3]> {
     let (low, high) =
         used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), v| (l.min(at(v)), h.max(at(v))));
     let near = (WELD_SHARE * (high - low).length()).max(f64::MIN_POSITIVE);
-    let mut number: HashMap<u32, u32> = HashMap::new();
+    let mut number: FxHashMap<u32, u32> = FxHashMap::default();
     // places by the cell that they lie in; a place near a cell's border is looked for beyond it, too
-    let mut places: HashMap<[i64; 3], u32> = HashMap::new();
+    let mut places: FxHashMap<[i64; 3], u32> = FxHashMap::default();
     let mut count = 0;
     for v in used() {
         if number.contains_key(&v) {
@@ -121,12 +121,13 @@ fn welded(mesh: &Mesh, glass: &[u32]) -> Vec<[u32; 3]> {
 struct Edges<'a> {
     corners: &'a [[u32; 3]],
     /// For each edge, its ends in order: up to two triangles, and how many there are.
-    at: HashMap<[u32; 2], ([u32; 2], u32)>,
+    at: FxHashMap<[u32; 2], ([u32; 2], u32)>,
 }
 
 impl<'a> Edges<'a> {
     fn new(corners: &'a [[u32; 3]], first: &[u32]) -> Self {
-        let mut at: HashMap<[u32; 2], ([u32; 2], u32)> = HashMap::with_capacity(2 * corners.len());
+        let mut at: FxHashMap<[u32; 2], ([u32; 2], u32)> =
+            FxHashMap::with_capacity_and_hasher(2 * corners.len(), FxBuildHasher);
         for (k, triangle) in corners.iter().enumerate().filter(|(k, _)| first[*k] as usize == *k) {
             for (a, b) in ends(triangle) {
                 let (held, count) = at.entry([a.min(b), a.max(b)]).or_insert(([NONE; 2], 0));
@@ -227,7 +228,7 @@ const FLAT: f64 = 1e-6;
 
 /// Area of the lids over closed rims: half the length of Σ p × q along each, rims that meet taken as one.
 fn lids(rims: &[(u32, u32, [DVec3; 2])]) -> f64 {
-    let mut group_of: HashMap<u32, u32> = HashMap::new();
+    let mut group_of: FxHashMap<u32, u32> = FxHashMap::default();
     let mut parent: Vec<u32> = Vec::new();
     for &(a, b, _) in rims {
         let [p, q] = [a, b].map(|v| {
@@ -239,7 +240,7 @@ fn lids(rims: &[(u32, u32, [DVec3; 2])]) -> f64 {
         let (p, q) = (root(&mut parent, p), root(&mut parent, q));
         parent[p.max(q) as usize] = p.min(q);
     }
-    let mut sums: HashMap<u32, (DVec3, DVec3)> = HashMap::new();
+    let mut sums: FxHashMap<u32, (DVec3, DVec3)> = FxHashMap::default();
     for &(a, _, [p, q]) in rims {
         let (origin, sum) = sums.entry(root(&mut parent, group_of[&a])).or_insert((p, DVec3::ZERO));
         *sum += (p - *origin).cross(q - *origin) / 2.0;
