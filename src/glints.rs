@@ -66,19 +66,25 @@ const FEWEST: u8 = NOW_AND_THEN + 1;
 impl Glints {
     /// What a pilot's looks mark: pixels that see light in some of their trees, or see something else than a neighbour
     /// does. Pixels inside a lamp, and far from any, are not; where there may be light behind glass, one looks now and then.
-    pub fn mark(size: [u32; 2], looks: &[Look]) -> Self {
-        let level = |pixel: usize| {
+    /// In and about `lamp_images`, pixels where the plan has found images of lamps from the lamps' side, there are as many
+    /// trees as ever: camera rays meet what is small too seldom to tell.
+    pub fn mark(size: [u32; 2], looks: &[Look], lamp_images: &[u32]) -> Self {
+        let level = |pixel: usize, most: u8| {
             let look = &looks[pixel];
             if is_mixed(looks, pixel, size) {
                 let variance = relative_variance(look.square, look.squared_mean, look.squared_mean);
-                worth(variance).clamp(FEWEST, FEWEST + PILOT_DOUBLINGS_MAX)
+                worth(variance).clamp(FEWEST, FEWEST + most)
             } else if look.branched {
                 NOW_AND_THEN
             } else {
                 NONE
             }
         };
-        let wanted: Vec<u8> = (0..looks.len()).map(level).collect();
+        let mut wanted: Vec<u8> = (0..looks.len()).map(|pixel| level(pixel, PILOT_DOUBLINGS_MAX)).collect();
+        for pixel in lamp_images.iter().flat_map(|pixel| around(*pixel, size)) {
+            let is_lit = looks[pixel].square > 0.0;
+            wanted[pixel] = if is_lit { level(pixel, DOUBLINGS_MAX) } else { FEWEST + DOUBLINGS_MAX };
+        }
         let levels = Self { size, levels: vec![NONE; wanted.len()], turns: 1 }.limited(&wanted);
         let sparse = levels.iter().filter(|l| **l == NOW_AND_THEN).count() as f64;
         let turns = (sparse / (SPARSE_SHARE * looks.len() as f64)).ceil().max(1.0) as u32;
@@ -308,7 +314,7 @@ mod tests {
         let mut looks = vec![look(Light::Nowhere, false); PIXELS];
         looks[MIDDLE] = look(Light::InPart, true);
         (0..10).for_each(|y| looks[y * 12] = look(Light::Nowhere, true));
-        Glints::mark(SIZE, &looks)
+        Glints::mark(SIZE, &looks, &[])
     }
 
     /// The emission that `at` says for each pass and pixel, watched for `passes` passes of one each, and what it makes of
@@ -401,7 +407,7 @@ mod tests {
     /// A dot makes its pixel's trees many and those of its neighbours some; steady light, however bright, makes none.
     #[test]
     fn trees_grow_where_emission_is_noisy() {
-        let none = Glints::mark(SIZE, &[look(Light::Nowhere, false); PIXELS]);
+        let none = Glints::mark(SIZE, &[look(Light::Nowhere, false); PIXELS], &[]);
         let grown = after(4, &none, |pass, pixel| match pixel {
             MIDDLE if pass == 2 => 8.0,
             5 => 1e4,

@@ -94,6 +94,10 @@ pub mod purpose {
     pub const STREAM_LEARN_PLACE: [u32; 2] = [0x210, 0x211];
     /// Its direction.
     pub const STREAM_LEARN_DIRECTION: [u32; 2] = [0x220, 0x221];
+    /// Where jotons that look for small images of lamps start, and their directions; one sequence a lamp.
+    pub const STREAM_LAMP_IMAGES_PLACE: u32 = 0x230;
+    /// See [`STREAM_LAMP_IMAGES_PLACE`].
+    pub const STREAM_LAMP_IMAGES_DIRECTION: u32 = 0x231;
     /// The device's area points, one scatter a group of passes.
     pub const STREAM_AREA: u32 = 0x100;
     /// The pass in which a pixel has its tree.
@@ -113,9 +117,13 @@ pub mod purpose {
     pub const DIMENSION_TRUST: u32 = 0x16_0000;
     /// Whether an area point is inside of a body.
     pub const DIMENSION_BURIED: u32 = 0x17_0000;
+    /// Events of a joton that looks for small images of lamps, by lamp.
+    pub const DIMENSION_LAMP_IMAGES: u32 = 0x18_0000;
+    /// How its start is changed.
+    pub const DIMENSION_LAMP_CHANGES: u32 = 0x19_0000;
 
     /// All streams.
-    pub const STREAMS: [u32; 10] = [
+    pub const STREAMS: [u32; 12] = [
         STREAM_SEEN,
         STREAM_TRAFFIC[0],
         STREAM_TRAFFIC[1],
@@ -124,11 +132,13 @@ pub mod purpose {
         STREAM_LEARN_PLACE[1],
         STREAM_LEARN_DIRECTION[0],
         STREAM_LEARN_DIRECTION[1],
+        STREAM_LAMP_IMAGES_PLACE,
+        STREAM_LAMP_IMAGES_DIRECTION,
         STREAM_AREA,
         STREAM_TURN,
     ];
     /// All first dimensions.
-    pub const DIMENSIONS: [u32; 8] = [
+    pub const DIMENSIONS: [u32; 10] = [
         DIMENSION_SEEN,
         DIMENSION_LEARN[0],
         DIMENSION_LEARN[1],
@@ -137,6 +147,8 @@ pub mod purpose {
         DIMENSION_AREA,
         DIMENSION_TRUST,
         DIMENSION_BURIED,
+        DIMENSION_LAMP_IMAGES,
+        DIMENSION_LAMP_CHANGES,
     ];
 }
 

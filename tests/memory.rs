@@ -245,7 +245,7 @@ fn crowded_trees_take_turns() {
             Look { light, branched: false, square: if is_lit { 1e3 } else { 0.0 }, squared_mean: 0.0 }
         })
         .collect();
-    let glints = Glints::mark(SIZE, &looks);
+    let glints = Glints::mark(SIZE, &looks, &[]);
     let strip = 8 * SIZE[0]..16 * SIZE[0];
     let trees: f32 = strip.map(|pixel| glints.trees_a_pass(pixel as usize)).sum();
     let room = cut.memory().iter().find(|(name, _)| *name == "glints").expect("a buffer").1 / 4;

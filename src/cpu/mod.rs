@@ -238,7 +238,7 @@ impl Backend for CpuBackend {
         let mut tally = Tally::default();
         if self.plan.traces(Layer::Emission) && self.glints.is_none() {
             let looks = glint::look(&self.scene, self.plan.settings.seed, PILOT_PASS);
-            self.glints = Some(Glints::mark(self.scene.size, &looks));
+            self.glints = Some(Glints::mark(self.scene.size, &looks, &self.plan.lamp_images));
         }
         self.look_around();
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);

@@ -39,7 +39,7 @@ impl GpuBackend {
             }
         }
         if !looks.is_empty() {
-            self.upload_glints(Glints::mark(self.scene.size, &looks))?;
+            self.upload_glints(Glints::mark(self.scene.size, &looks, &self.plan.lamp_images))?;
         }
         // of glints and walls, too, nothing was missed
         check_traversal(&self.status_words()?)?;

@@ -68,6 +68,8 @@ pub struct Plan {
     pub light_candidates: u32,
     /// Where the camera looks; none where jotons are stored wherever they are.
     pub marks: Option<Arc<Marks>>,
+    /// Pixels, in ascending order, that show an image of a lamp too small for camera rays to find [E25].
+    pub lamp_images: Arc<[u32]>,
     /// Which of [`Layer::ALL`] is traced.
     pub layers: [bool; LAYERS],
     /// What the kernels must be able to do.
@@ -190,12 +192,18 @@ impl Plan {
         }
         let stores_all = in_view > STORED_IN_VIEW || !skips.skip(Part::UnseenJotons, Reason::JotonsElsewhere);
         let marks = (!stores_all).then(|| Arc::new(seen.marks(scene, diffuse as f32)));
+        let lamp_images: Arc<[u32]> = if traces(Layer::Emission) {
+            learn::lamp_images(scene, settings.seed).into()
+        } else {
+            Arc::default()
+        };
         Self {
             settings,
             caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
             guides: Arc::new(guides),
             light_candidates,
             marks,
+            lamp_images,
             layers,
             features,
             caustic_jotons,

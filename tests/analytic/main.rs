@@ -15,6 +15,7 @@ mod exchange;
 mod factors;
 mod furnace;
 mod glass;
+mod glints;
 mod harness;
 mod lobes;
 mod partition;

@@ -22,7 +22,7 @@ fn emission(side: Side, scene: &Arc<PackedScene>, trees: bool) -> Moments {
     let mut backend = open(side, scene, plan(scene, EVERYTHING, 1));
     if !trees {
         let nothing = Look { light: Light::Nowhere, branched: false, square: 0.0, squared_mean: 0.0 };
-        let none = Glints::mark(scene.size, &vec![nothing; scene.pixels()]);
+        let none = Glints::mark(scene.size, &vec![nothing; scene.pixels()], &[]);
         backend.set_glints(none).unwrap_or_else(|e| panic!("{e}"));
     }
     let mut m = Moments { sum: vec![0.0; scene.pixels()], square: vec![0.0; scene.pixels()] };

@@ -7,8 +7,10 @@
 mod density;
 mod direct;
 mod lamp;
+mod lamp_images;
 
 pub(super) use direct::direct;
+pub(super) use lamp_images::lamp_images;
 
 use super::seen::{CHAIN, Seen, step};
 use super::shape::Kind;
