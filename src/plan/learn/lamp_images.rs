@@ -18,16 +18,14 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Jotons that are traced first.
-const JOTONS: u32 = 1 << 13;
+const JOTONS: u32 = 1 << 14;
 /// A joton passes near the eye where its direction differs from the one to the eye by less than this.
 const NEAR: f32 = 0.3;
 /// It meets the eye where they differ by less than this.
 const MET: f32 = 0.01;
-/// Of the jotons in a block of so many pixels across and down the nearest is changed.
-const BLOCK: u32 = 4;
-/// Blocks that are searched, at most.
-const BLOCKS: usize = 512;
-/// Changes that are tried in each.
+/// Of the jotons that pass it from one pixel the nearest is changed; in so many pixels, at most.
+const PIXELS: usize = 256;
+/// Changes that are tried of each.
 const CHANGES: u32 = 192;
 /// The first change moves each random number of the start by this, at most.
 const FIRST_CHANGE: f32 = 0.05;
@@ -67,19 +65,17 @@ pub(in crate::plan) fn lamp_images(scene: &PackedScene, seed: u32) -> Vec<u32> {
             (0..count).into_par_iter().filter_map(move |number| search.start(lamp as u32, number))
         })
         .collect();
-    let width = scene.size[0];
-    let mut nearest: BTreeMap<[u32; 2], Pass> = BTreeMap::new();
+    let mut nearest: BTreeMap<u32, Pass> = BTreeMap::new();
     for pass in first {
-        let block = [pass.pixel / width / BLOCK, pass.pixel % width / BLOCK];
-        let held = nearest.entry(block).or_insert(pass);
+        let held = nearest.entry(pass.pixel).or_insert(pass);
         if pass.off < held.off {
             *held = pass;
         }
     }
-    let blocks: Vec<Pass> = nearest.into_values().collect();
-    let every = blocks.len().div_ceil(BLOCKS).max(1);
+    let starts: Vec<Pass> = nearest.into_values().collect();
+    let every = starts.len().div_ceil(PIXELS).max(1);
     let mut pixels: Vec<u32> =
-        blocks.par_iter().step_by(every).filter_map(|pass| search.approach(*pass)).collect();
+        starts.par_iter().step_by(every).filter_map(|pass| search.approach(*pass)).collect();
     pixels.sort_unstable();
     pixels.dedup();
     pixels
