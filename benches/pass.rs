@@ -5,9 +5,9 @@
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use joton::backend::Backend;
-use joton::cpu::{CpuBackend, PathTracer};
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
+use joton::backend::cpu::{CpuBackend, PathTracer};
+use joton::backend::gpu::{Context, GpuBackend};
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use std::path::Path;
 use std::sync::Arc;

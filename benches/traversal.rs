@@ -10,10 +10,10 @@ mod scenes;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use joton::gpu::harness::{Harness, Work};
-use joton::gpu::{Context, Kernel, link_source};
-use joton::layout::PassInfo;
-use joton::pack::PackedScene;
+use joton::backend::gpu::harness::{Harness, Work};
+use joton::backend::gpu::{Context, Kernel, link_source};
+use joton::packed::PackedScene;
+use joton::packed::layout::PassInfo;
 use joton::plan::{Plan, Settings};
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -67,7 +67,7 @@ fn subdivide([a, b, c]: [Vec3; 3], triangles: &mut Vec<[Vec3; 3]>) {
 /// Rays from random points in a box to random points in it: origin and unit direction.
 fn rays([lo, hi]: [Vec3; 2]) -> Vec<[Vec3; 2]> {
     let point = |i: u32, which: u32| {
-        let [x, y, z, _] = joton::rng::random4(1, 0, i, which);
+        let [x, y, z, _] = joton::sampling::rng::random4(1, 0, i, which);
         lo + (hi - lo) * Vec3::new(x, y, z)
     };
     (0..RAYS).map(|i| [point(i, 0), (point(i, 1) - point(i, 0)).normalize()]).collect()
@@ -119,7 +119,7 @@ fn on_device(
     scene: &PackedScene,
     rays: &[[Vec3; 2]],
 ) -> joton::Result<()> {
-    let file = if joton::gpu::harness::is_small(context, scene) { "scene_small" } else { "scene" };
+    let file = if joton::backend::gpu::harness::is_small(context, scene) { "scene_small" } else { "scene" };
     let text = format!(
         "// import: shared/{file}.wgsl
 // import: shared/intersect.wgsl

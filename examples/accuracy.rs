@@ -11,9 +11,9 @@
 //! Writes OUT_PREFIX.csv (one line for each scene, class and number of passes), OUT_PREFIX-estimate.csv (one line for each
 //! run: error estimate and truth) and OUT_PREFIX-SCENE.svg; prints slopes and how the estimate held, as Markdown.
 
-use joton::cpu::CpuBackend;
+use joton::backend::cpu::CpuBackend;
 use joton::film::{LAYERS, Layer, Picture, RELATIVE_OFFSET};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{ErrorEstimate, Stop, render};
 use plotters::prelude::*;

@@ -3,11 +3,11 @@
 //! `cargo run --release --example cpu_error -- SCENE OUT_PREFIX REFERENCE.exr|- PASSES[,PASSES…] [map|path] [PATHS]`
 
 use joton::backend::Backend;
-use joton::cpu::{CpuBackend, PathTracer};
+use joton::backend::cpu::{CpuBackend, PathTracer};
+use joton::film::paths::LightPaths;
 use joton::film::{Film, Layer};
 use joton::output::{compare, display::Display, exr, png};
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use std::path::Path;
 use std::sync::Arc;

@@ -6,9 +6,9 @@
 //! process so far. A size that does not fit the device is a line with its message.
 
 use joton::backend::Backend;
-use joton::cpu::CpuBackend;
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
+use joton::backend::cpu::CpuBackend;
+use joton::backend::gpu::{Context, GpuBackend};
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{Stop, render};
 use std::error::Error;
@@ -93,7 +93,7 @@ fn measure(
         done.cpu_seconds / PASSES as f64,
         rate(done.tally.rays),
         rate(done.tally.jotons_emitted),
-        joton::memory::peak().unwrap_or(0)
+        joton::peak_memory().unwrap_or(0)
     );
     Ok(())
 }

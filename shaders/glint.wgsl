@@ -24,7 +24,7 @@
 @group(1) @binding(2) var<storage, read_write> seen: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
 
-// What a pilot's trees saw of light in a pixel. Twin: Light in src/glints.rs.
+// What a pilot's trees saw of light in a pixel. Twin: Light in src/estimators/split_paths.rs.
 const LIGHT_NOWHERE: f32 = 0.0;
 const LIGHT_IN_PART: f32 = 1.0;
 const LIGHT_EVERYWHERE: f32 = 2.0;

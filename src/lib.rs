@@ -3,31 +3,19 @@
 #![warn(missing_docs, unreachable_pub)]
 
 pub mod backend;
-pub mod bands;
 pub mod bench;
-pub mod bvh;
-pub mod cpu;
-pub mod error;
-pub mod export;
+mod error;
+pub mod estimators;
 pub mod film;
-pub mod glints;
-pub mod gpu;
-mod halves;
-mod input;
-pub mod layout;
-pub mod memory;
-mod neighbours;
+mod host;
 pub mod optics;
 pub mod output;
-pub mod pack;
-pub mod paths;
+pub mod packed;
 pub mod plan;
-mod quiet;
 pub mod render;
-pub mod report;
-pub mod rest;
-pub mod rng;
+pub mod sampling;
 pub mod scene;
-pub mod stats;
+pub mod spectrum;
 
 pub use error::{Error, Result};
+pub use host::memory::peak as peak_memory;

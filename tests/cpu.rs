@@ -1,10 +1,10 @@
 //! Claims about the CPU backend and the path tracer, on whole images.
 
+use joton::backend::cpu::{CpuBackend, PathTracer};
 use joton::backend::{Backend, Batch};
-use joton::cpu::{CpuBackend, PathTracer};
+use joton::film::paths::LightPaths;
 use joton::film::{LAYERS, Layer};
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::scene::{self, Light, Material, Scene};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `joton export`: the XML says what the scene is, the meshes hold its triangles, and what others cannot do is refused.
 
 use glam::{DVec3, Vec3};
-use joton::export::{Exported, write_mitsuba};
+use joton::output::export::{Exported, write_mitsuba};
 use joton::scene::{Scene, load};
 use roxmltree::{Document, Node};
 use std::fs;

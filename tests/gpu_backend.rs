@@ -4,16 +4,16 @@ mod common;
 
 use common::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
+use joton::backend::cpu::CpuBackend;
+use joton::backend::gpu::{Context, GpuBackend};
 use joton::backend::{Backend, Batch};
-use joton::cpu::CpuBackend;
+use joton::film::paths::LightPaths;
+use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{Rendered, Stop, render};
 use joton::scene::{Light, Material, Scene};
-use joton::stats::{Estimate, test_equal};
 use std::path::Path;
 use std::sync::Arc;
 

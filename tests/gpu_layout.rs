@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Row, Snippet};
-use joton::layout::{self, GpuStruct};
+use joton::packed::layout::{self, GpuStruct};
 use naga::proc::Layouter;
 
 /// A struct as one side sees it.
@@ -47,10 +47,10 @@ macro_rules! for_every_struct {
             layout::Fit,
             layout::Clip,
             layout::PathFilter,
-            joton::pack::PackedTriangle,
-            joton::pack::PackedMaterial,
-            joton::pack::PackedEmitter,
-            joton::pack::Target,
+            joton::packed::PackedTriangle,
+            joton::packed::PackedMaterial,
+            joton::packed::PackedEmitter,
+            joton::packed::Target,
         )
     };
 }
@@ -129,7 +129,7 @@ fn fields_are_read_where_rust_wrote_them() {
 }
 
 fn read_struct(
-    context: &joton::gpu::Context,
+    context: &joton::backend::gpu::Context,
     name: &str,
     wgsl: &str,
     offsets: &[(&'static str, usize)],
@@ -157,7 +157,7 @@ fn read_struct(
          fn put(word: u32) {{ found[at] = word; at += 1u; }}\n"
     );
     code.push_str("out_u(0u, vec4(at));");
-    let mut harness = joton::gpu::harness::Harness::new(context);
+    let mut harness = joton::backend::gpu::harness::Harness::new(context);
     harness.storage("both", &(0..2 * words as u32).collect::<Vec<_>>());
     // PathFilter is the largest
     let mut one = [0u32; 128];
@@ -165,7 +165,7 @@ fn read_struct(
         *w = i as u32;
     }
     harness.uniform("one", &one);
-    harness.storage("found", &vec![joton::gpu::harness::PATTERN; expected.len()]);
+    harness.storage("found", &vec![joton::backend::gpu::harness::PATTERN; expected.len()]);
     let snippet = Snippet { imports: &[], declarations: &declarations, code: &code, overrides: &[] };
     let [count]: [Row; 1] = snippet.run_in(context, &mut harness, &[], &[[[0; 4]]])[0];
     assert_eq!(count[0] as usize, expected.len(), "{name}");

@@ -3,10 +3,10 @@
 mod common;
 
 use joton::backend::Backend;
-use joton::cpu::CpuBackend;
+use joton::backend::cpu::CpuBackend;
+use joton::backend::gpu::{Context, GpuBackend};
 use joton::film::Layer;
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{Progress, Reason, RenderState, Stop};
 use std::path::Path;

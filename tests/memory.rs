@@ -5,22 +5,24 @@ mod common;
 use common::scenes::{Builder, emitter, mirror};
 use glam::{IVec3, Vec3};
 use joton::Error;
+use joton::backend::gpu::{Context, GpuBackend};
 use joton::backend::{Backend, Batch};
+use joton::estimators::maps::MapKind;
+use joton::estimators::split_paths::{Glints, Light, Look};
+use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer};
-use joton::glints::{Glints, Light, Look};
-use joton::gpu::{Context, GpuBackend};
-use joton::layout::row_bucket;
-use joton::pack::PackedScene;
-use joton::pack::scatter_area_points;
+use joton::packed::PackedScene;
+use joton::packed::layout::row_bucket;
+use joton::packed::scatter_area_points;
 use joton::plan::buffers::{
-    AREA_KEY_BITS, Buffer, Needs, area_points_most, area_points_wanted, expected_shapes, fit,
+    AREA_KEY_BITS, Buffer, BufferPlan, area_points_most, area_points_wanted, expected_shapes, fit,
 };
 use joton::plan::grid::Grid;
-use joton::plan::shape::{Kind, Machine, Strips};
+use joton::plan::map_layout::DeviceLimits;
+use joton::plan::strips::Strips;
 use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
 use joton::render::{Stop, render};
-use joton::stats::{Estimate, test_equal};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
@@ -115,9 +117,10 @@ fn told_work_is_done() {
     for (name, scene) in scenes {
         let plan = Plan::new(&scene, Settings::default());
         let traffic = Traffic::look(&scene, &plan);
-        let machine = Machine::REFERENCE;
+        let machine = DeviceLimits::REFERENCE;
         let shapes = expected_shapes(&scene, &plan, machine, &traffic);
-        let needs = Needs { scene: &scene, plan: &plan, machine, shapes, strips: Strips::whole(scene.size) };
+        let needs =
+            BufferPlan { scene: &scene, plan: &plan, machine, shapes, strips: Strips::whole(scene.size) };
         let kernels = needs.kernels(&traffic);
         let near = |told: f64, found: f64, what: &str| {
             let ratio = told / found;
@@ -159,7 +162,7 @@ fn told_work_is_done() {
             found.expect("a kernel").tests as f64
         };
         let joton_bits = shapes.diffuse.expect("a map").key_bits();
-        let jotons = joton::cpu::harness::stored(&scene, &plan, 0, false);
+        let jotons = joton::backend::cpu::harness::stored(&scene, &plan, 0, false);
         near(tests("gather"), in_touched_cells(&jotons, joton_bits), "jotons");
         let wanted = area_points_wanted(&scene, plan.diffuse.radius(0), area_points_most(None));
         let (points, _) = scatter_area_points(&scene, wanted, 1);
@@ -180,9 +183,9 @@ fn costs_follow_the_work() {
         let scene = file("spheres.toml", size);
         let plan = Plan::new(&scene, Settings::default());
         let traffic = Traffic::look(&scene, &plan);
-        let machine = Machine::REFERENCE;
+        let machine = DeviceLimits::REFERENCE;
         let shapes = expected_shapes(&scene, &plan, machine, &traffic);
-        let needs = Needs { scene: &scene, plan: &plan, machine, shapes, strips: Strips::whole(size) };
+        let needs = BufferPlan { scene: &scene, plan: &plan, machine, shapes, strips: Strips::whole(size) };
         let kernels = needs.kernels(&traffic);
         assert!(kernels.iter().all(|k| k.milliseconds > 0.0 && k.dispatches > 0 && k.invocations > 0));
         let bytes = needs.buffers().iter().map(|b| b.bytes).sum();
@@ -196,7 +199,7 @@ fn costs_follow_the_work() {
 
 /// Bytes that a render needs in so many strips, where area points take up all that they may.
 fn memory_for(backend: &GpuBackend, count: u32) -> u64 {
-    let needs = Needs { strips: Strips::cut(backend.needs().scene.size, count), ..backend.needs() };
+    let needs = BufferPlan { strips: Strips::cut(backend.needs().scene.size, count), ..backend.needs() };
     assert_eq!(needs.strips.count(), count);
     let without = |b: &&Buffer| b.name != "area_points";
     let bytes: u64 = needs.buffers().iter().filter(without).map(|b| b.bytes).sum();
@@ -291,11 +294,11 @@ fn large_images_fit() {
     {
         let scene = file(name, size);
         let mut plan = Plan::new(&scene, Settings { memory, ..Settings::default() });
-        let machine = Machine::REFERENCE;
+        let machine = DeviceLimits::REFERENCE;
         let traffic = Traffic::look(&scene, &plan);
         let mut shapes = expected_shapes(&scene, &plan, machine, &traffic);
         let strips = fit(&scene, &mut plan, &mut shapes, machine).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let needs = Needs { scene: &scene, plan: &plan, machine, shapes, strips };
+        let needs = BufferPlan { scene: &scene, plan: &plan, machine, shapes, strips };
         assert!(strips.count() > 1);
         let bound = needs.buffers().into_iter().filter(|b| b.name != "staging");
         let largest = bound.max_by_key(|b| b.bytes).expect("a buffer");
@@ -362,7 +365,7 @@ fn fewer_jotons_have_larger_discs() {
     let mut plan = Plan::new(&scene, Settings::default());
     let held = |p: &Plan| p.diffuse.base.powi(2) * f64::from(p.diffuse_jotons);
     let (before, jotons) = (held(&plan), plan.diffuse_jotons);
-    plan.halve_jotons(&scene, Kind::Diffuse);
+    plan.halve_jotons(&scene, MapKind::Diffuse);
     assert_eq!(plan.diffuse_jotons, jotons / 2);
     assert!((held(&plan) / before - 1.0).abs() < 1e-9, "{before} {}", held(&plan));
 }

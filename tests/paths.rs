@@ -1,7 +1,7 @@
 //! Light path expressions, against a matcher that shares nothing with the library but the notation.
 
+use joton::film::paths::{DEAD, Event, LIVE_STATES_MAX, LightPaths, STATES_MAX};
 use joton::film::{LAYERS, Layer};
-use joton::paths::{DEAD, Event, LIVE_STATES_MAX, LightPaths, STATES_MAX};
 use std::collections::BTreeSet;
 
 /// Longest event string that is tried: 511 strings tell apart everything that these expressions can say.

@@ -5,8 +5,8 @@
 mod common;
 
 use joton::backend::Backend;
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
+use joton::backend::gpu::{Context, GpuBackend};
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use std::path::Path;
 use std::sync::Arc;

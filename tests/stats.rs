@@ -1,7 +1,7 @@
 //! The test for equality of noisy images accepts what is equal and rejects what is not.
 
 use joton::film::Image;
-use joton::stats::{Estimate, Outcome, sidak, test_equal, two_sided_p};
+use joton::film::stats::{Estimate, Outcome, sidak, test_equal, two_sided_p};
 
 const SIZE: u32 = 64;
 /// Standard deviation of each pixel over its mean, as after some hundred samples.

@@ -4,16 +4,16 @@ use super::Effort;
 use super::twins::Case;
 use cpu_time::ProcessTime;
 use joton::backend::Backend;
-use joton::bands::BANDS;
-use joton::cpu::CpuBackend;
+use joton::backend::cpu::CpuBackend;
+use joton::backend::gpu::{Context, GpuBackend};
 use joton::film::Image;
-use joton::gpu::{Context, GpuBackend};
+use joton::film::paths::LightPaths;
+use joton::film::stats::{Estimate, test_equal};
 use joton::output::compare::compare;
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Plan, Settings};
 use joton::render::{Stop, render};
-use joton::stats::{Estimate, test_equal};
+use joton::spectrum::BANDS;
 use std::sync::Arc;
 
 /// First seed of the renders that a z-test compares, and of the reference: those of the timed renders lie below.

@@ -1,4 +1,4 @@
-// What happens at a surface. Twin: src/optics/bsdf.rs.
+// What happens at a surface. Twin: src/optics/shading/bsdf.rs.
 // import: shared/sampling.wgsl
 
 // Reflectance of a smooth dielectric for unpolarised light [E8]; eta = n_transmitted / n_incident; 1 at total reflection.

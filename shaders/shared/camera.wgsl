@@ -1,4 +1,4 @@
-// The camera: a pinhole; row 0 is the top. Twin: src/pack/camera.rs.
+// The camera: a pinhole; row 0 is the top. Twin: src/packed/camera.rs.
 // reads  pass_info
 
 struct CameraRay {

@@ -1,5 +1,5 @@
 // Crossing: which of two faces a ray meets first where they are so near each other that rounded distances do not tell [E27].
-// Twin: Crossing in src/bvh.rs.
+// Twin: Crossing in src/packed/accel/mod.rs.
 // import: shared/triangles.wgsl
 
 // What it takes to tell.

@@ -1,4 +1,4 @@
-// Marks: the cells of space near which the camera looks [E23]. Twin: src/pack/marks.rs.
+// Marks: the cells of space near which the camera looks [E23]. Twin: src/packed/visible_cells.rs.
 // reads  marks, map_info
 
 @group(1) @binding(16) var<uniform> marks: array<vec4<u32>, MARK_VECTORS>;

@@ -1,4 +1,4 @@
-// Reservoir: one of many, by weight, in one look at each [E24]. Twin: src/optics/reservoir.rs.
+// Reservoir: one of many, by weight, in one look at each [E24]. Twin: src/optics/lights/reservoir.rs.
 
 struct Reservoir {
     // Sum of the weights so far.

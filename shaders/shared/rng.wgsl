@@ -1,4 +1,4 @@
-// Random numbers by address: random(seed, pass, path, dimension). Twin: src/rng.rs.
+// Random numbers by address: random(seed, pass, path, dimension). Twin: src/sampling/rng.rs.
 // pcg4d: Jarzynski & Olano 2020. Owen scrambling by hash: Laine & Karras 2011, constants by Vegdahl 2021; Burley 2020.
 
 fn pcg4d(input: vec4<u32>) -> vec4<u32> {

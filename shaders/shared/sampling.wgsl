@@ -1,4 +1,4 @@
-// Mappings from the unit square to directions and places. Twin: src/optics/sampling.rs.
+// Mappings from the unit square to directions and places. Twin: src/sampling/distributions.rs.
 
 const PI: f32 = 3.14159265358979;
 const TAU: f32 = 6.28318530717959;

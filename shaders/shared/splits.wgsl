@@ -1,5 +1,5 @@
 // Splits: where a camera tree takes both ways, and how likely an eye path is to go where a tree goes anyway [E25].
-// Twin: src/cpu/splits.rs.
+// Twin: src/backend/cpu/splits.rs.
 // import: shared/bsdf.wgsl
 
 struct Splits {

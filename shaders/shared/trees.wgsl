@@ -1,4 +1,4 @@
-// Trees: how many look for emission through a pixel, besides its eye path [E25]. Twin: src/glints.rs.
+// Trees: how many look for emission through a pixel, besides its eye path [E25]. Twin: src/estimators/split_paths.rs.
 // reads  pass_info
 
 // An entry of the list: the pixel, its level above.

@@ -1,4 +1,4 @@
-// Warps: learned densities that steer where jotons go [E20]. Twin: src/pack/guide.rs.
+// Warps: learned densities that steer where jotons go [E20]. Twin: src/packed/guide.rs.
 // reads  warps
 
 // Of each warp the steps below each row, then below each bin of each row, in 16 bits.

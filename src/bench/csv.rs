@@ -1,7 +1,7 @@
 //! CSV: rows and summaries as tables that spreadsheets and scripts read (RFC 4180).
 
 use super::{KernelRow, Row, Summary};
-use crate::bands::BANDS;
+use crate::spectrum::BANDS;
 
 /// Names of the bands in columns.
 const BAND: [&str; BANDS] = ["r", "g", "b"];

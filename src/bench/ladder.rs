@@ -1,11 +1,11 @@
 //! Ladder: the pictures that were seen at the steps of a ladder of times, compared, and summed up over the seeds.
 
-use super::run::Subject;
+use super::subject::Subject;
 use super::{Row, Summary};
 use crate::Result;
-use crate::bands::BANDS;
 use crate::film::{Image, RELATIVE_OFFSET};
 use crate::output::compare::compare;
+use crate::spectrum::BANDS;
 
 /// How a picture came about.
 pub(super) struct Seen {

@@ -7,11 +7,13 @@ mod csv;
 mod ladder;
 mod plot;
 mod run;
+mod subject;
 pub mod versus;
 
 pub use csv::{kernels_csv, runs_csv, summary_csv};
 pub use plot::error_plot;
-pub use run::{Measured, Subject, measure};
+pub use run::{Measured, measure};
+pub use subject::Subject;
 
 use crate::output::compare::Comparison;
 

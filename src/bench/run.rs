@@ -1,29 +1,11 @@
 //! Run: render with each seed and look at the picture at every step of a ladder of times.
 
 use super::ladder::{Ladder, Seen};
+use super::subject::Subject;
 use super::{KernelRow, Row, Summary};
 use crate::backend::Backend;
-use crate::film::Image;
 use crate::render::{Stop, render};
 use crate::{Error, Result};
-
-/// What is measured: a scene on a device.
-pub struct Subject<'a> {
-    /// Name of the scene.
-    pub scene: &'a str,
-    /// The device as it was asked for.
-    pub device: &'a str,
-    /// Pixels across and down.
-    pub size: [u32; 2],
-    /// What the picture should be.
-    pub reference: Option<&'a Image>,
-    /// Steps of the ladder, seconds of rendering, ascending and above 0.
-    pub times: &'a [f64],
-    /// Seeds 0, 1, … below this.
-    pub seeds: u32,
-    /// Measure what each kernel takes, where the device can.
-    pub timings: bool,
-}
 
 /// What was found of a subject.
 pub struct Measured {

@@ -6,10 +6,10 @@ use clap::Args;
 use joton::bench::{
     KernelRow, Row, Subject, Summary, error_plot, kernels_csv, measure, runs_csv, summary_csv,
 };
+use joton::film::paths::LightPaths;
 use joton::film::{Image, check_memory};
 use joton::output::{self, exr};
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -203,7 +203,7 @@ fn ladder(times: &[f64]) -> Result<Vec<f64>> {
 
 /// The devices that `joton devices` lists: the best adapter where there is one, the CPU, and the path tracer there.
 fn all_devices() -> Vec<String> {
-    let gpu = (!joton::gpu::adapters().is_empty()).then_some("gpu");
+    let gpu = (!joton::backend::gpu::adapters().is_empty()).then_some("gpu");
     gpu.into_iter().chain(["cpu", "cpu-reference"]).map(String::from).collect()
 }
 

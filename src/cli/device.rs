@@ -1,9 +1,9 @@
 //! Which device a command runs on: `--device auto|gpu|cpu|NAME`.
 
+use joton::backend::cpu::{CpuBackend, PathTracer};
+use joton::backend::gpu::{Context, GpuBackend};
 use joton::backend::{Backend, guarded};
-use joton::cpu::{CpuBackend, PathTracer};
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::Plan;
 use joton::{Error, Result};
 use std::collections::VecDeque;
@@ -33,7 +33,7 @@ impl Devices {
             "gpu" => [on_gpu(None)].into(),
             "auto" => {
                 let mut all: VecDeque<Open> = VecDeque::new();
-                for adapter in joton::gpu::adapters() {
+                for adapter in joton::backend::gpu::adapters() {
                     all.push_back(Box::new(move |scene, plan| {
                         gpu(Context::from_adapter(&adapter)?, scene, plan)
                     }));

@@ -4,7 +4,7 @@ use super::{DONE, say};
 use joton::Result;
 
 pub(super) fn run() -> Result<u8> {
-    let adapters = joton::gpu::adapters();
+    let adapters = joton::backend::gpu::adapters();
     for (i, adapter) in adapters.iter().enumerate() {
         let info = adapter.get_info();
         let limits = adapter.limits();

@@ -2,7 +2,8 @@
 
 use super::{DONE, tell};
 use clap::Args;
-use joton::{Error, Result, export, output};
+use joton::output::{self, export};
+use joton::{Error, Result};
 use std::path::PathBuf;
 
 /// Arguments of `joton export`.

@@ -13,7 +13,7 @@ mod versus;
 
 use clap::{Parser, Subcommand};
 use joton::Result;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Settings};
 use joton::scene::Scene;
 use std::sync::OnceLock;
@@ -91,7 +91,7 @@ pub(crate) fn refuse(e: &clap::Error) -> Result<u8, String> {
 /// # Errors
 /// [`joton::Error::Capacity`] where there is not the memory for it.
 fn pack(scene: &Scene, settings: &Settings) -> Result<PackedScene> {
-    joton::pack::check_memory(scene)?;
+    joton::packed::check_memory(scene)?;
     let keeps_all = settings.keeps(Part::OutOfReach);
     Ok(if keeps_all { PackedScene::whole(scene) } else { PackedScene::new(scene) })
 }

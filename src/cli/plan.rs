@@ -4,10 +4,10 @@ use super::memory::{self, mebibytes};
 use super::{DONE, pack, say};
 use clap::Args;
 use joton::film::Layer;
-use joton::pack::OutOfReach;
-use joton::plan::buffers::{Buffer, Needs, expected_shapes, fit};
+use joton::packed::OutOfReach;
+use joton::plan::buffers::{Buffer, BufferPlan, expected_shapes, fit};
 use joton::plan::kernels::Kernel;
-use joton::plan::shape::Machine;
+use joton::plan::map_layout::DeviceLimits;
 use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
 use joton::{Error, Result};
@@ -44,16 +44,16 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let keep = super::render::kept(&a.no_skip)?;
     let mut settings = Settings { keep, memory: a.memory, ..Settings::default() };
     if let Some(paths) = &a.paths {
-        settings.paths = joton::paths::LightPaths::parse(paths)?;
+        settings.paths = joton::film::paths::LightPaths::parse(paths)?;
     }
     let packed = pack(&scene, &settings)?;
-    scene.warnings.extend(joton::pack::doubts(&scene, &packed));
+    scene.warnings.extend(joton::packed::doubts(&scene, &packed));
     let mut plan = Plan::new(&packed, settings);
     let traffic = Traffic::look(&packed, &plan);
-    let machine = Machine::REFERENCE;
+    let machine = DeviceLimits::REFERENCE;
     let mut shapes = expected_shapes(&packed, &plan, machine, &traffic);
     let strips = fit(&packed, &mut plan, &mut shapes, machine)?;
-    let needs = Needs { scene: &packed, plan: &plan, machine, shapes, strips };
+    let needs = BufferPlan { scene: &packed, plan: &plan, machine, shapes, strips };
     let (kernels, buffers) = (needs.kernels(&traffic), needs.buffers());
     let milliseconds: f64 = kernels.iter().map(|k| k.milliseconds).sum();
     let bytes: u64 = buffers.iter().map(|b| b.bytes).sum();

@@ -6,11 +6,11 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use joton::backend::{Backend, PASSES_MAX};
 use joton::film;
+use joton::film::paths::LightPaths;
+use joton::output::report::{Circumstances, KernelTime, Report};
 use joton::output::{self, display, exr, png};
-use joton::paths::LightPaths;
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
 use joton::render::{Failure, Progress, Reason, RenderState, Stop};
-use joton::report::{Circumstances, KernelTime, Report};
 use joton::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -103,7 +103,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     };
     film::check_memory(scene.size)?;
     let packed = Arc::new(pack(&scene, &settings)?);
-    scene.warnings.extend(joton::pack::doubts(&scene, &packed));
+    scene.warnings.extend(joton::packed::doubts(&scene, &packed));
     for warning in &scene.warnings {
         say(&format!("warning: {warning}"));
     }

@@ -3,7 +3,7 @@
 use super::tell;
 use joton::bench::versus::{self, Choice, PeerScene, Traits};
 use joton::bench::{Row, Subject, Summary};
-use joton::export::{Exported, write_mitsuba};
+use joton::output::export::{Exported, write_mitsuba};
 use joton::scene::Scene;
 use joton::{Error, Result};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Rays and what they meet: surfaces with both normals turned toward where the ray came from.
 
-use crate::layout::{LIFT, LIFT_LEAST};
-use crate::pack::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH};
+use crate::packed::layout::{LIFT, LIFT_LEAST};
+use crate::packed::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH};
 use glam::Vec3;
 
 /// A ray; the direction is a unit vector.
@@ -119,8 +119,8 @@ pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::sampling::sphere;
-    use crate::rng::sobol2;
+    use crate::sampling::distributions::sphere;
+    use crate::sampling::rng::sobol2;
     use crate::scene::{Camera, Material, Mesh, Scene, Triangle};
     use glam::{DQuat, DVec3};
 

@@ -3,9 +3,9 @@
 //! relMSE = mean over pixels and bands of (I − R)² / (R² + 0.01)                 [Rousselle et al. 2011]
 
 use super::heatmap;
-use crate::bands::BANDS;
 use crate::error::{Error, Result};
 use crate::film::{Image, RELATIVE_OFFSET};
+use crate::spectrum::BANDS;
 use std::path::Path;
 
 /// The share of the pixels, the worst, that the trimmed error leaves out.

@@ -3,9 +3,9 @@
 //! exposure (one factor for the image) → transform (per pixel) → sRGB. Only what looks at a picture uses this;
 //! no comparison does.
 
-use crate::bands::{self, Bands};
 use crate::error::{Error, Result};
 use crate::film::Image;
+use crate::spectrum::{self, Bands};
 use std::str::FromStr;
 
 /// Rec. 709 luminance of linear r, g, b. The display may assume three bands.
@@ -128,7 +128,7 @@ fn percentile(sorted: &[f32], share: f64) -> f32 {
 /// background changes them, as an average would. Of the brightest band, not of luminance: a white wall in warm
 /// light would lose its red first, and turn yellow.
 fn auto_scale(image: &Image) -> f32 {
-    let brightest = image.pixels.iter().map(bands::max);
+    let brightest = image.pixels.iter().map(spectrum::max);
     let mut lit: Vec<f32> = brightest.filter(|&l| l > 0.0 && l.is_finite()).collect();
     if lit.is_empty() {
         return 1.0;

@@ -5,10 +5,10 @@
 //! viewers and compositors show as layers. Multi-part files say the same, but older readers see the first part only.
 
 use super::atomic::write_atomically;
-use crate::bands::BANDS;
 use crate::error::{Error, Result};
 use crate::film::{Image, Layer, Picture};
-use crate::{input, memory};
+use crate::host::{files, memory};
+use crate::spectrum::BANDS;
 use exr::block::lines::LineRefMut;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::math::RoundingMode;
@@ -27,7 +27,7 @@ const CHANNELS: [&str; BANDS] = ["R", "G", "B"];
 /// promises more is broken, and must not decide how much memory is asked for.
 const EXPANSION_MAX: u64 = 1032;
 /// Bytes of memory for a pixel of an image that is read and compared: itself in f32, and its error in f64.
-const MEMORY_PER_PIXEL: u64 = (size_of::<crate::bands::Bands>() + size_of::<f64>()) as u64;
+const MEMORY_PER_PIXEL: u64 = (size_of::<crate::spectrum::Bands>() + size_of::<f64>()) as u64;
 /// Room for an image that is tiny or empty of anything but its header.
 const EXPANSION_SLACK: u64 = 1 << 20;
 
@@ -125,7 +125,7 @@ fn write(path: &Path, size: &Image, channels: Vec<e::AnyChannel<Band<'_>>>, comm
 /// channels are left aside.
 pub fn read_image(path: &Path) -> Result<Image> {
     let fail = |what: String| Error::io(path, "read", what);
-    let (file, meta) = input::open(path)?;
+    let (file, meta) = files::open(path)?;
     let mut reader = BufReader::new(file);
     check_header(&mut reader, meta.len(), memory::available()).map_err(fail)?;
     reader.rewind().map_err(|x| fail(x.to_string()))?;

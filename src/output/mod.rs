@@ -2,8 +2,10 @@
 
 pub mod compare;
 pub mod display;
+pub mod export;
 pub mod exr;
 pub mod png;
+pub mod report;
 
 mod atomic;
 mod heatmap;

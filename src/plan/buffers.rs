@@ -2,16 +2,18 @@
 //! the GPU backend creates what is listed here, and `joton plan` prints it without a device.
 
 use super::Plan;
-use super::shape::{DIGIT_BITS, Kind, Machine, Shape, Shapes, Strips};
+use super::map_layout::{DIGIT_BITS, DeviceLimits, MapLayout, MapLayouts};
+use super::strips::Strips;
 use super::traffic::Traffic;
 use crate::error::{Error, Result};
+use crate::estimators::maps::MapKind;
+use crate::estimators::split_paths::{Glints, TREES_MAX};
 use crate::film::{LAYERS, Layer, host_bytes};
-use crate::glints::{Glints, TREES_MAX};
-use crate::layout::{
+use crate::packed::layout::{
     AreaPoint, Clip, Fit, GatherPoint, Joton, Lane, LaneTally, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS,
     SMALL_NODE_WORDS, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
 };
-use crate::pack::{
+use crate::packed::{
     MARK_WORDS, MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target,
     WARP_WORDS,
 };
@@ -91,20 +93,20 @@ impl Buffer {
 
 /// Everything that sizes follow from.
 #[derive(Debug, Clone, Copy)]
-pub struct Needs<'a> {
+pub struct BufferPlan<'a> {
     /// The scene.
     pub scene: &'a PackedScene,
     /// What is done with it.
     pub plan: &'a Plan,
     /// The device.
-    pub machine: Machine,
+    pub machine: DeviceLimits,
     /// How the maps are cut.
-    pub shapes: Shapes,
+    pub shapes: MapLayouts,
     /// How the image is cut.
     pub strips: Strips,
 }
 
-impl<'a> Needs<'a> {
+impl<'a> BufferPlan<'a> {
     /// All buffers of a render. Area points are those of the first pass.
     pub fn buffers(&self) -> Vec<Buffer> {
         let mut all = scene_buffers(self.scene, self.plan, &self.machine);
@@ -204,7 +206,7 @@ impl<'a> Needs<'a> {
 
     /// Those that depend on how the work is cut.
     pub fn pass_buffers(&self) -> Vec<Buffer> {
-        let shapes: Vec<Shape> = self.shapes.each().collect();
+        let shapes: Vec<MapLayout> = self.shapes.each().collect();
         let mut all = map_buffers(&shapes, &self.machine);
         if let (true, Some(shape)) = (self.maps_apart(), self.shapes.caustic) {
             let [sorted, starts] = sorted_buffers(shape.max_stored(), shape.buckets());
@@ -219,14 +221,19 @@ impl<'a> Needs<'a> {
 }
 
 /// How a device is expected to cut the maps, before its own pilot: how many jotons lanes store is an estimate.
-pub fn expected_shapes(scene: &PackedScene, plan: &Plan, machine: Machine, traffic: &Traffic) -> Shapes {
+pub fn expected_shapes(
+    scene: &PackedScene,
+    plan: &Plan,
+    machine: DeviceLimits,
+    traffic: &Traffic,
+) -> MapLayouts {
     let shape = |kind, emitted: u32| {
-        let of = |n| Shape::expected(n, &traffic.of(kind), scene.triangles.len(), &machine);
+        let of = |n| MapLayout::expected(n, &traffic.of(kind), scene.triangles.len(), &machine);
         (emitted > 0).then_some(emitted).map(of)
     };
-    Shapes {
-        caustic: shape(Kind::Caustic, plan.caustic_jotons),
-        diffuse: shape(Kind::Diffuse, plan.diffuse_jotons),
+    MapLayouts {
+        caustic: shape(MapKind::Caustic, plan.caustic_jotons),
+        diffuse: shape(MapKind::Diffuse, plan.diffuse_jotons),
     }
 }
 
@@ -234,16 +241,21 @@ pub fn expected_shapes(scene: &PackedScene, plan: &Plan, machine: Machine, traff
 ///
 /// # Errors
 /// [`Error::Capacity`] with need and limit where the least does not fit.
-pub fn fit(scene: &PackedScene, plan: &mut Plan, shapes: &mut Shapes, machine: Machine) -> Result<Strips> {
+pub fn fit(
+    scene: &PackedScene,
+    plan: &mut Plan,
+    shapes: &mut MapLayouts,
+    machine: DeviceLimits,
+) -> Result<Strips> {
     let thinnest = scene.size[1].div_ceil(TILE);
     loop {
         let strips = Strips::whole(scene.size);
-        let needs = Needs { scene, plan, machine, shapes: *shapes, strips };
+        let needs = BufferPlan { scene, plan, machine, shapes: *shapes, strips };
         if let Ok(strips) = needs.cut(STRIPS_GOOD.min(thinnest)) {
             return Ok(strips);
         }
-        let stored = |kind: &Kind| shapes.of(*kind).map_or(0, |shape| shape.max_stored());
-        let [caustic, diffuse] = Kind::ALL;
+        let stored = |kind: &MapKind| shapes.of(*kind).map_or(0, |shape| shape.max_stored());
+        let [caustic, diffuse] = MapKind::ALL;
         let larger = if stored(&caustic) > stored(&diffuse) { caustic } else { diffuse };
         match shapes.of_mut(larger) {
             Some(shape) if shape.emitted > JOTONS_KEPT => {
@@ -256,7 +268,7 @@ pub fn fit(scene: &PackedScene, plan: &mut Plan, shapes: &mut Shapes, machine: M
 }
 
 /// The scene, and the uniforms that never change.
-pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &Machine) -> Vec<Buffer> {
+pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &DeviceLimits) -> Vec<Buffer> {
     let small = is_small(scene, machine);
     let buffer = |name, count: usize, each: u64, holds| {
         // a uniform buffer is as long as the kernels say, whatever is in it
@@ -331,23 +343,23 @@ const STORAGE_BUFFERS_SPLIT: u32 = 8 + TRIANGLES.len() as u32 - 1;
 const TRIANGLE: u64 = size_of::<PackedTriangle>() as u64;
 
 /// Binary logarithm of the triangles in a part: as many as a binding holds.
-pub fn triangles_part(machine: &Machine) -> u32 {
+pub fn triangles_part(machine: &DeviceLimits) -> u32 {
     (machine.storage_binding / TRIANGLE).max(1).ilog2()
 }
 
 /// Bytes of a part of the triangles.
-pub fn triangles_part_bytes(machine: &Machine) -> u64 {
+pub fn triangles_part_bytes(machine: &DeviceLimits) -> u64 {
     TRIANGLE << triangles_part(machine)
 }
 
 /// True where the triangles are more than a binding holds, and the device can bind their parts.
-pub fn is_split(scene: &PackedScene, machine: &Machine) -> bool {
+pub fn is_split(scene: &PackedScene, machine: &DeviceLimits) -> bool {
     scene.triangles.len() as u64 * TRIANGLE > machine.storage_binding
         && machine.storage_buffers >= STORAGE_BUFFERS_SPLIT
 }
 
 /// True for a scene that fits into uniform buffers.
-pub fn is_small(scene: &PackedScene, machine: &Machine) -> bool {
+pub fn is_small(scene: &PackedScene, machine: &DeviceLimits) -> bool {
     let fits = |count: usize, most: u32| count <= most as usize;
     machine.uniform_binding >= SMALL_BYTES
         && fits(scene.bvh.node_count() * NODE_WORDS, SMALL_NODE_WORDS)
@@ -357,8 +369,8 @@ pub fn is_small(scene: &PackedScene, machine: &Machine) -> bool {
 }
 
 /// What the maps need; they take turns on all but the tallies.
-pub fn map_buffers(shapes: &[Shape], machine: &Machine) -> Vec<Buffer> {
-    let most = |f: &dyn Fn(&Shape) -> u64| shapes.iter().map(f).max().unwrap_or(1).max(1);
+pub fn map_buffers(shapes: &[MapLayout], machine: &DeviceLimits) -> Vec<Buffer> {
+    let most = |f: &dyn Fn(&MapLayout) -> u64| shapes.iter().map(f).max().unwrap_or(1).max(1);
     let lanes = most(&|s| u64::from(s.lanes));
     let stored = most(&|s| s.max_stored());
     let histogram = most(&|s| u64::from(s.chunks(machine)) << DIGIT_BITS);
@@ -378,7 +390,7 @@ pub fn map_buffers(shapes: &[Shape], machine: &Machine) -> Vec<Buffer> {
         Buffer::new("histogram", histogram * WORD, "digits of a sort"),
         Buffer::new("block_sums", scanned.div_ceil(u64::from(SCAN_BLOCK)) * WORD, "sums of a scan"),
     ];
-    all.extend(sorted_buffers(stored, most(&Shape::buckets)));
+    all.extend(sorted_buffers(stored, most(&MapLayout::buckets)));
     all
 }
 

@@ -3,11 +3,11 @@
 
 use super::Plan;
 use super::grid::Grid;
-use crate::layout::{CLIP_LIFT, CLIP_RAYS, GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
 use crate::optics::ray::{Ray, Surface};
-use crate::optics::sampling::unit_circle;
-use crate::pack::PackedScene;
+use crate::packed::PackedScene;
+use crate::packed::layout::{CLIP_LIFT, CLIP_RAYS, GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
 use crate::plan::CAUSTIC_FOOTPRINTS;
+use crate::sampling::distributions::unit_circle;
 use glam::Vec3;
 
 /// Where a camera path ended.

@@ -1,8 +1,8 @@
 //! Facts of a scene that a plan is made from: what is there, and what light can never do.
 
-use crate::optics::cone::between;
-use crate::optics::emit::{from_light, kind};
-use crate::pack::{EmitterKind, MaterialFlags, PackedEmitter, PackedScene, Target};
+use crate::optics::lights::cone::between;
+use crate::optics::lights::emit::{from_light, kind};
+use crate::packed::{EmitterKind, MaterialFlags, PackedEmitter, PackedScene, Target};
 use glam::Vec3;
 
 /// True where the material of some triangle is so.

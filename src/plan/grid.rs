@@ -1,7 +1,7 @@
 //! Grid: the hashed grid in which a device sorts jotons and area points, and which of its buckets a disc looks through.
 //! Twin: shaders/shared/grid.wgsl.
 
-use crate::layout::{CELLS_PER_RADIUS, row_bucket};
+use crate::packed::layout::{CELLS_PER_RADIUS, row_bucket};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -71,7 +71,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::random4;
+    use crate::sampling::rng::random4;
 
     /// What lies in a sphere lies in one of the buckets that are looked through, and in one run only.
     #[test]

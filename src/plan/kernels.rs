@@ -7,15 +7,17 @@
 //! were fitted by hand to `--timings` of 15 scenes at 192 × 192 and 512 × 512 (docs/BENCHMARKS.md, "What a plan tells"). Other
 //! machines differ in all of it.
 
-use super::Schedule;
-use super::buffers::{AREA_KEY_BITS, Needs, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
+use super::buffers::{AREA_KEY_BITS, BufferPlan, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
 use super::discs::{Looked, Place, caustic_radius};
 use super::grid::Grid;
-use super::shape::{DIGIT_BITS, Kind, Shape, Strip};
+use super::map_layout::{DIGIT_BITS, MapLayout};
+use super::strips::Strip;
 use super::traffic::Traffic;
+use crate::estimators::maps::MapKind;
+use crate::estimators::radii::Schedule;
 use crate::film::Layer;
-use crate::layout::{GatherPoint, Joton, Lane, TILE};
-use crate::pack::scatter_area_points;
+use crate::packed::layout::{GatherPoint, Joton, Lane, TILE};
+use crate::packed::scatter_area_points;
 use glam::Vec3;
 use std::f64::consts::PI;
 
@@ -93,13 +95,13 @@ struct Work {
     rest: f64,
 }
 
-impl Needs<'_> {
+impl BufferPlan<'_> {
     /// The kernels of the first pass, in their order.
     pub fn kernels(&self, traffic: &Traffic) -> Vec<Kernel> {
         let small = if is_small(self.scene, &self.machine) { SMALL_SHARE } else { 1.0 };
         let mut list = List { small, kernels: Vec::new() };
-        let maps: Vec<(Kind, Shape)> =
-            Kind::ALL.into_iter().filter_map(|k| Some((k, self.shapes.of(k)?))).collect();
+        let maps: Vec<(MapKind, MapLayout)> =
+            MapKind::ALL.into_iter().filter_map(|k| Some((k, self.shapes.of(k)?))).collect();
         let strips: Vec<Strip> = self.strips.each().collect();
         self.camera_kernels(&mut list, traffic, &strips);
         for &(kind, shape) in &maps {
@@ -148,7 +150,7 @@ impl Needs<'_> {
     }
 
     /// Filling and sorting a map.
-    fn map_kernels(&self, list: &mut List, traffic: &Traffic, kind: Kind, shape: Shape) {
+    fn map_kernels(&self, list: &mut List, traffic: &Traffic, kind: MapKind, shape: MapLayout) {
         let mean = traffic.of(kind);
         let map = Some(kind.name());
         let lanes = u64::from(shape.lanes);
@@ -188,7 +190,7 @@ impl Needs<'_> {
         list.add("map_reorder", map, &[slots], moved(shared(stored * (2.0 * joton + WORD), slots)));
     }
 
-    fn gather_kernels(&self, list: &mut List, traffic: &Traffic, kind: Kind, strips: &[Strip]) {
+    fn gather_kernels(&self, list: &mut List, traffic: &Traffic, kind: MapKind, strips: &[Strip]) {
         let map = Some(kind.name());
         let tiles = |s: &Strip| {
             let [across, down] = [self.strips.size[0], s.rows].map(|n| u64::from(n.div_ceil(TILE)));
@@ -212,10 +214,10 @@ impl Needs<'_> {
         let jotons = Looked::new(grid, &traffic.stored[kind as usize], stored);
         let tests = |place: &Place| {
             let caustic = || caustic_radius(self.plan, place, &jotons);
-            jotons.tests(place.position, if kind == Kind::Caustic { caustic() } else { radius })
+            jotons.tests(place.position, if kind == MapKind::Caustic { caustic() } else { radius })
         };
         let gather = work(over_places(&tests), over_places(&|place| glossy(place, tests(place))));
-        if kind == Kind::Caustic {
+        if kind == MapKind::Caustic {
             list.add("gather", map, &pixels, gather);
             return;
         }
@@ -234,8 +236,8 @@ impl Needs<'_> {
         list.add("gather", map, &pixels, gather);
     }
 
-    fn schedule(&self, kind: Kind) -> &Schedule {
-        if kind == Kind::Caustic { &self.plan.caustic } else { &self.plan.diffuse }
+    fn schedule(&self, kind: MapKind) -> &Schedule {
+        if kind == MapKind::Caustic { &self.plan.caustic } else { &self.plan.diffuse }
     }
 }
 

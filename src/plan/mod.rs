@@ -4,23 +4,23 @@ pub mod buffers;
 mod discs;
 mod facts;
 pub mod grid;
+mod guiding;
 pub mod kernels;
-mod learn;
+pub mod map_layout;
 mod pilot;
-mod radius;
-mod seen;
-pub mod shape;
 mod skip;
+pub mod strips;
 pub mod traffic;
 
 pub use pilot::Pilot;
-pub use radius::{Schedule, area_group, shrink};
 pub use skip::{Part, Reason, Skip};
 
+use crate::estimators::maps::MapKind;
+use crate::estimators::radii::{Schedule, shrink};
+use crate::film::paths::LightPaths;
 use crate::film::{LAYERS, Layer};
-use crate::pack::{EmitterKind, Guide, Marks, PackedScene};
-use crate::paths::LightPaths;
-use seen::Seen;
+use crate::packed::{EmitterKind, Guide, Marks, PackedScene};
+use guiding::visible_points::Seen;
 use std::sync::Arc;
 
 /// What the user asked for, as far as it changes the plan.
@@ -193,7 +193,7 @@ impl Plan {
         let stores_all = in_view > STORED_IN_VIEW || !skips.skip(Part::UnseenJotons, Reason::JotonsElsewhere);
         let marks = (!stores_all).then(|| Arc::new(seen.marks(scene, diffuse as f32)));
         let lamp_images: Arc<[u32]> = if traces(Layer::Emission) {
-            learn::lamp_images(scene, settings.seed).into()
+            guiding::lamp_images(scene, settings.seed).into()
         } else {
             Arc::default()
         };
@@ -216,19 +216,19 @@ impl Plan {
     }
 
     /// Jotons emitted a pass for a map.
-    pub fn jotons(&self, kind: shape::Kind) -> u32 {
+    pub fn jotons(&self, kind: MapKind) -> u32 {
         match kind {
-            shape::Kind::Caustic => self.caustic_jotons,
-            shape::Kind::Diffuse => self.diffuse_jotons,
+            MapKind::Caustic => self.caustic_jotons,
+            MapKind::Diffuse => self.diffuse_jotons,
         }
     }
 
     /// Emit half as many jotons for a map, with the radius that goes with them: a disc holds as many.
-    pub fn halve_jotons(&mut self, scene: &PackedScene, kind: shape::Kind) {
+    pub fn halve_jotons(&mut self, scene: &PackedScene, kind: MapKind) {
         match kind {
             // its radii are chosen by counting
-            shape::Kind::Caustic => self.caustic_jotons = self.caustic_jotons.div_ceil(2),
-            shape::Kind::Diffuse => {
+            MapKind::Caustic => self.caustic_jotons = self.caustic_jotons.div_ceil(2),
+            MapKind::Diffuse => {
                 let image_width = f64::from(self.pilot.footprint_median) * f64::from(scene.size[0]);
                 let largest = (DIFFUSE_LIMITS[1] * image_width).max(self.diffuse.base);
                 self.diffuse_jotons = self.diffuse_jotons.div_ceil(2);
@@ -356,14 +356,14 @@ fn learned(
     let mut guides = Guides::default();
     let (mut in_view, mut light_candidates) = (1.0, 1);
     if traces(Layer::Caustic) {
-        guides.caustic = learn::jotons(scene, seed, seen, shape::Kind::Caustic).guide;
+        guides.caustic = guiding::jotons(scene, seed, seen, MapKind::Caustic).guide;
     }
     if traces(Layer::Diffuse) {
-        let learned = learn::jotons(scene, seed, seen, shape::Kind::Diffuse);
+        let learned = guiding::jotons(scene, seed, seen, MapKind::Diffuse);
         (guides.diffuse, in_view) = (learned.guide, learned.in_view);
     }
     if traces(Layer::Direct) {
-        let picks = learn::direct(scene, seed, seen);
+        let picks = guiding::direct(scene, seed, seen);
         guides.direct = picks.guide;
         if picks.candidates > 1 && skips.skip(Part::FaintLight, Reason::FaintAmongStrong) {
             light_candidates = picks.candidates;

@@ -1,7 +1,7 @@
 //! Pilot: a few thousand camera rays, traced on the host, that tell how large things are in the image.
 
-use crate::optics::emit::kind;
-use crate::pack::{CameraRay, EmitterKind, Guide, PackedEmitter, PackedScene, SMOOTH};
+use crate::optics::lights::emit::kind;
+use crate::packed::{CameraRay, EmitterKind, Guide, PackedEmitter, PackedScene, SMOOTH};
 use glam::Vec3;
 
 /// What the camera sees, in internal units.

@@ -3,18 +3,18 @@
 
 use super::Plan;
 use super::discs::{Place, is_cut};
-use super::shape::Kind;
-use crate::bands::{BANDS, Bands, mul, scale};
+use crate::estimators::maps::MapKind;
 use crate::film::Layer;
-use crate::layout::UNSEEN_STORED;
-use crate::optics::bsdf::{Boundary, sample_d, specular_direction};
-use crate::optics::emit::{Start, aimed, by_law};
-use crate::optics::light::sample_light;
-use crate::optics::odds::Odds;
+use crate::optics::lights::emit::{Start, aimed, by_law};
+use crate::optics::lights::sample::sample_light;
 use crate::optics::ray::{Ray, Surface};
-use crate::pack::PackedScene;
-use crate::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
-use crate::rng::{random4, sequence_seed, sobol2};
+use crate::optics::shading::bsdf::{Boundary, sample_d, specular_direction};
+use crate::optics::shading::roulette::Odds;
+use crate::packed::PackedScene;
+use crate::packed::layout::UNSEEN_STORED;
+use crate::sampling::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
+use crate::sampling::rng::{random4, sequence_seed, sobol2};
+use crate::spectrum::{BANDS, Bands, mul, scale};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -112,10 +112,10 @@ impl Traffic {
     }
 
     /// Of a map's jotons.
-    pub fn of(&self, kind: Kind) -> Mean {
+    pub fn of(&self, kind: MapKind) -> Mean {
         match kind {
-            Kind::Caustic => self.caustic,
-            Kind::Diffuse => self.diffuse,
+            MapKind::Caustic => self.caustic,
+            MapKind::Diffuse => self.diffuse,
         }
     }
 

@@ -2,13 +2,13 @@
 
 use super::{DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, Stop};
 use crate::backend::{Backend, PASSES_MAX, Tally, guarded};
-use crate::bands::BANDS;
 use crate::error::Result;
+use crate::estimators::split_paths::{self, Glints};
 use crate::film::Layer;
-use crate::glints::{self, Glints};
-use crate::halves::{self, ErrorEstimate, Halves};
-use crate::quiet::Quiet;
-use crate::rest::{EXPONENT_MAX, Rest};
+use crate::film::tile_schedule::{EXPONENT_MAX, Rest};
+use crate::render::error_estimate::{self, ErrorEstimate, Halves};
+use crate::render::static_tiles::Quiet;
+use crate::spectrum::BANDS;
 use std::time::Instant;
 
 /// Passes before an error estimate is trusted.
@@ -20,7 +20,7 @@ pub struct RenderState {
     sums: Halves,
     /// Who may rest, where the first device lets pixels rest.
     quiet: Option<Quiet>,
-    glimpses: glints::Watch,
+    glimpses: split_paths::Watch,
     /// Who had trees last.
     glints: Option<Glints>,
     tally: Tally,
@@ -39,7 +39,7 @@ impl RenderState {
             size,
             sums: Halves::new(size),
             quiet: None,
-            glimpses: glints::Watch::new(size),
+            glimpses: split_paths::Watch::new(size),
             glints: None,
             tally: Tally::default(),
             imbalance: Imbalance::default(),
@@ -248,7 +248,7 @@ fn most(stop: Stop) -> u64 {
 /// Passes of the batch from pass `first` on, where the backend would like so many, of `most` in all: powers of two, which blocks
 /// of resting tiles are whole parts of, or whole multiples.
 pub(super) fn batch(first: u64, wanted: u32, most: u64) -> u64 {
-    1 << u64::from(wanted).min(halves::run(first)).min(most - first).ilog2()
+    1 << u64::from(wanted).min(error_estimate::run(first)).min(most - first).ilog2()
 }
 
 /// Whether the error is estimated after so many passes: after each one first, later after every sixteenth part of them, so

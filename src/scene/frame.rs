@@ -6,11 +6,10 @@
 //! nearly as much as the best is taken. Where none sees any light, the room is closed and the camera goes inside.
 //! Objects without a ceiling are seen from slightly above, and near: a backdrop of few triangles need not be whole.
 
-use super::load::emits;
 use super::obj::geometric_normal;
 use super::scene_file::DEFAULT_FOV_X;
 use super::{Camera, Light, Material, Mesh};
-use crate::bands;
+use crate::spectrum;
 use glam::DVec3;
 
 /// Rays across and down that judge a view.
@@ -145,10 +144,10 @@ impl Probe {
             let Some(normal) = geometric_normal(corners) else { continue };
             let material = &materials[t.material as usize];
             let area = (b - a).cross(c - a).length() / 2.0;
-            let emits = emits(material);
+            let emits = material.emits();
             if emits {
                 let source = Source { position: (a + b + c) / 3.0, normal: Some(normal) };
-                emitters.push((area * bands::sum(&material.emission), source));
+                emitters.push((area * spectrum::sum(&material.emission), source));
             }
             // Rays pass straight through glass and water: that is near enough to what is seen.
             if material.dielectric.is_none() {

@@ -9,7 +9,6 @@
 //! a rim and face away from each other close a body between them. An index below 1.4 is no glass: water and other
 //! liquids are drawn by their level alone, and stay the boundary of what is behind them.
 
-use super::load::emits;
 use super::warnings::{Named, Warnings};
 use super::weld::{Surface, surfaces};
 use super::{Material, Mesh};
@@ -230,7 +229,7 @@ fn turn(
     for (s, [outward, inward]) in doubtful {
         let one = s.triangles[0];
         let is_held = too_many || is_held(s, surfaces);
-        let shines = s.triangles.iter().any(|&i| emits(&materials[material_of(mesh, i)]));
+        let shines = s.triangles.iter().any(|&i| materials[material_of(mesh, i)].emits());
         if is_held && outward.is_empty() {
             continue;
         }

@@ -1,6 +1,6 @@
 //! Lights beside emissive triangles: those that a surface cannot stand for.
 
-use crate::bands::Bands;
+use crate::spectrum::Bands;
 use glam::DVec3;
 
 /// A light without a surface.

@@ -6,8 +6,9 @@ use super::obj::{self, ObjFile};
 use super::scene_file::{self, CameraEntry, DEFAULT_SIZE, MeshEntry};
 use super::warnings::{Named, Warnings, listed};
 use super::{Camera, Light, Material, Mesh, Scene, frame, rule, text, validate};
-use crate::bands::{self, BANDS};
-use crate::{Error, Result, input};
+use crate::host::files;
+use crate::spectrum::BANDS;
+use crate::{Error, Result};
 use glam::DVec3;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -117,7 +118,7 @@ fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result
         let what = format!("mesh file {} does not exist", entry.file.display());
         return Err(Error::scene(scene, Some(entry.line), what, "paths are relative to the scene file"));
     };
-    if let Some(kind) = input::other_kind(&meta) {
+    if let Some(kind) = files::other_kind(&meta) {
         let what = format!("mesh file {} is a {kind}", entry.file.display());
         return Err(Error::scene(scene, Some(entry.line), what, "name a file"));
     }
@@ -304,9 +305,4 @@ impl RawMaterial {
             ..self
         }
     }
-}
-
-/// Whether any band of any used material emits.
-pub(crate) fn emits(material: &Material) -> bool {
-    !bands::is_black(&material.emission)
 }

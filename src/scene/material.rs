@@ -1,6 +1,6 @@
 //! Materials: what happens to light at a surface.
 
-use crate::bands::{BLACK, Bands};
+use crate::spectrum::{BLACK, Bands, is_black};
 
 /// A surface. An opaque one reflects `diffuse` + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
 /// but reflects and transmits by Fresnel.
@@ -48,5 +48,10 @@ impl Material {
             thin: false,
             emission: BLACK,
         }
+    }
+
+    /// Whether it emits in some band.
+    pub fn emits(&self) -> bool {
+        !is_black(&self.emission)
     }
 }

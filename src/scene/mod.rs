@@ -23,7 +23,7 @@ pub use camera::Camera;
 pub use light::Light;
 pub use load::{check_format, load};
 pub use material::{Dielectric, Material};
-pub(crate) use warnings::listed;
+pub(crate) use warnings::quoted;
 pub(crate) use weld::Surface as GlassSurface;
 
 use glam::{DVec3, Vec3};

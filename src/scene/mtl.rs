@@ -6,7 +6,7 @@
 use super::text;
 use super::warnings::Warnings;
 use crate::Result;
-use crate::bands::{BANDS, Bands};
+use crate::spectrum::{BANDS, Bands};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

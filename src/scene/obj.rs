@@ -7,7 +7,8 @@ use super::clean::{self, Clean};
 use super::mtl::{self, Finder, RawMaterial};
 use super::warnings::{Named, Warnings};
 use super::{Mesh, Triangle, polygon, text};
-use crate::{Error, Result, input};
+use crate::host::files;
+use crate::{Error, Result};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::collections::HashMap;
@@ -44,7 +45,7 @@ pub(crate) struct ObjFile {
 pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<ObjFile> {
     let source = text::read(path)?;
     let mut clean = clean::clean(&source, path, warnings)?;
-    input::check_memory(path, clean.faces.len() as u64 * MEMORY_PER_FACE)?;
+    files::check_memory(path, clean.faces.len() as u64 * MEMORY_PER_FACE)?;
     let mut files = vec![path.to_owned()];
     let library = libraries(&clean, path, &mut files, warnings);
     let parsed = if clean.faces.is_empty() { None } else { Some(parse(&clean.text, path)?) };

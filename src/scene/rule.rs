@@ -20,7 +20,7 @@
 use super::mtl::{At, Kind, RawMaterial};
 use super::warnings::{Named, Warnings};
 use super::{Dielectric, Material};
-use crate::bands::{self, BANDS, BLACK, Bands};
+use crate::spectrum::{self, BANDS, BLACK, Bands};
 use crate::{Error, Result};
 
 /// Reflectance where a file says nothing: middle grey.
@@ -56,7 +56,7 @@ pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Mat
     let mut result = Material::matte(raw.name.clone(), BLACK);
     result.emission = raw.ke.map_or(BLACK, |ke| ke.value);
     if kind == Kind::Glass {
-        if let Some(kd) = raw.kd.filter(|kd| bands::max(&kd.value) > NOTICED_DIFFUSE) {
+        if let Some(kd) = raw.kd.filter(|kd| spectrum::max(&kd.value) > NOTICED_DIFFUSE) {
             warn(Some(kd.line), "Kd of a glass is ignored");
         }
         result.dielectric = Some(dielectric(raw, &mut warn));
@@ -71,20 +71,20 @@ pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Mat
     result.diffuse = diffuse(raw, kind, &mut warn);
     match kind {
         Kind::Mirror => result.specular = raw.ks.map_or(mirror_default(raw), |ks| ks.value),
-        Kind::Glossy if !bands::is_black(&ks) => {
+        Kind::Glossy if !spectrum::is_black(&ks) => {
             result.glossy = ks;
             result.glossy_exponent = exponent(raw);
         }
         Kind::Matte | Kind::Glossy | Kind::Glass => {}
     }
-    let albedo = bands::add(&bands::add(&result.diffuse, &result.glossy), &result.specular);
-    let largest = bands::max(&albedo);
+    let albedo = spectrum::add(&spectrum::add(&result.diffuse, &result.glossy), &result.specular);
+    let largest = spectrum::max(&albedo);
     if largest > 1.0 {
         if largest > 1.0 + ALBEDO_SLACK {
             warn(None, "reflects more than it receives; its reflectances are scaled down to a sum of 1");
         }
         for lobe in [&mut result.diffuse, &mut result.glossy, &mut result.specular] {
-            *lobe = bands::scale(lobe, 1.0 / largest);
+            *lobe = spectrum::scale(lobe, 1.0 / largest);
         }
     }
     Ok(result)
@@ -103,8 +103,9 @@ fn kind(raw: &RawMaterial) -> Kind {
 }
 
 fn transmits(raw: &RawMaterial) -> bool {
-    let filters = raw.tf.is_some_and(|tf| tf.value.iter().any(|&t| t < 1.0) && !bands::is_black(&tf.value));
-    filters || raw.kt.is_some_and(|kt| !bands::is_black(&kt.value)) || raw.d.is_some_and(|d| d.value < 1.0)
+    let filters =
+        raw.tf.is_some_and(|tf| tf.value.iter().any(|&t| t < 1.0) && !spectrum::is_black(&tf.value));
+    filters || raw.kt.is_some_and(|kt| !spectrum::is_black(&kt.value)) || raw.d.is_some_and(|d| d.value < 1.0)
 }
 
 /// d < 1, or Tr strictly between opaque and clear: Tr 0 and Tr 1 both mean opaque in some exporter.
@@ -114,7 +115,7 @@ fn transmits_like_cutout(raw: &RawMaterial) -> bool {
 }
 
 fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> Dielectric {
-    let tint = |stated: Option<At<Bands>>| stated.map(|t| t.value).filter(|t| !bands::is_black(t));
+    let tint = |stated: Option<At<Bands>>| stated.map(|t| t.value).filter(|t| !spectrum::is_black(t));
     // Exporters that do not know the index write 0.
     let ior = raw.ni.filter(|ni| ni.value != 0.0).map_or_else(
         || {
@@ -127,7 +128,7 @@ fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> 
     );
     let transmission = tint(raw.tf).or(tint(raw.kt)).unwrap_or(WHITE);
     let reflection = tint(raw.ks).unwrap_or(WHITE);
-    if bands::max(&transmission) > 1.0 || bands::max(&reflection) > 1.0 {
+    if spectrum::max(&transmission) > 1.0 || spectrum::max(&reflection) > 1.0 {
         warn(raw.tf.map(|tf| tf.line), "a tint above 1 would make light; it is clamped to 1");
     }
     Dielectric {
@@ -139,11 +140,11 @@ fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> 
 
 fn diffuse(raw: &RawMaterial, kind: Kind, warn: &mut impl FnMut(Option<usize>, &str)) -> Bands {
     let stated = raw.kd.map(|kd| kd.value);
-    if raw.map_kd.is_some() && stated.is_none_or(|kd| bands::is_black(&kd)) {
+    if raw.map_kd.is_some() && stated.is_none_or(|kd| spectrum::is_black(&kd)) {
         return GREY;
     }
     stated.unwrap_or_else(|| {
-        let shines = |value: Option<At<Bands>>| value.is_some_and(|v| !bands::is_black(&v.value));
+        let shines = |value: Option<At<Bands>>| value.is_some_and(|v| !spectrum::is_black(&v.value));
         if shines(raw.ke) || shines(raw.ks) || kind == Kind::Mirror {
             return BLACK;
         }

@@ -7,7 +7,7 @@ use super::light::Light;
 use super::mtl::{At, Kind, RawMaterial};
 use super::table::{Table, parse};
 use super::text::{self, Lines};
-use crate::bands::Bands;
+use crate::spectrum::Bands;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -205,7 +205,7 @@ fn power(table: &Table, key: &str) -> Result<Bands> {
     let Some(At { value, line }) = table.bands(key)? else {
         return Err(table.missing(key));
     };
-    if crate::bands::is_black(&value) {
+    if crate::spectrum::is_black(&value) {
         return Err(table.fault(
             line,
             &format!("light without {key}"),

@@ -2,7 +2,7 @@
 
 use super::mtl::At;
 use super::text::{self, Lines};
-use crate::bands::{BANDS, Bands};
+use crate::spectrum::{BANDS, Bands};
 use crate::{Error, Result};
 use glam::DVec3;
 use std::ops::Range;

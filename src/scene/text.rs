@@ -4,13 +4,14 @@
 // lines with LF, CRLF or CR; continue a statement with a trailing backslash; and carry control characters at
 // their end. Every reader of this crate sees plain `&str` statements with the number of their first line.
 
-use crate::{Result, input};
+use crate::Result;
+use crate::host::files;
 use std::borrow::Cow;
 use std::path::Path;
 
 /// Reads a file and decodes it.
 pub(crate) fn read(path: &Path) -> Result<String> {
-    Ok(decode(&input::read(path)?))
+    Ok(decode(&files::read(path)?))
 }
 
 /// Decodes UTF-8, UTF-16 (by its byte order mark) or else Latin-1, in which every byte is a character.

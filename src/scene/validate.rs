@@ -1,6 +1,5 @@
 // Validate: what must hold of a scene before anything is computed from it.
 
-use super::load::emits;
 use super::{Camera, Light, Material, Mesh};
 use crate::{Error, Result};
 use std::path::Path;
@@ -27,7 +26,7 @@ pub(crate) fn light(path: &Path, mesh: &Mesh, materials: &[Material], lights: &[
 
 /// Whether some triangle emits.
 pub(crate) fn any_emission(mesh: &Mesh, materials: &[Material]) -> bool {
-    mesh.triangles.iter().any(|t| emits(&materials[t.material as usize]))
+    mesh.triangles.iter().any(|t| materials[t.material as usize].emits())
 }
 
 /// The camera looks somewhere, upright.

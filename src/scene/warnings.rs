@@ -1,6 +1,6 @@
 //! Warnings: what was repaired or ignored on the way in, one line for each kind.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 /// Names that a line gives; those beyond are counted.
@@ -106,6 +106,15 @@ impl Group {
             _ => text,
         }
     }
+}
+
+/// Names in quotes that [`quoted`] gives.
+const QUOTED: usize = 3;
+
+/// Names in quotes, the first few and how many more.
+pub(crate) fn quoted(all: &BTreeSet<&str>) -> String {
+    let first: Vec<String> = all.iter().take(QUOTED).map(|name| format!("\"{name}\"")).collect();
+    listed(&first, all.len())
 }
 
 /// `a, b and c`, or `a, b, c and 7 more` where `count` are more than the names.

@@ -1,8 +1,8 @@
 //! Scenes in code, and the optics that their closed forms share.
 
 use glam::DVec3;
-use joton::bands::Bands;
 use joton::scene::{Camera, Dielectric, Light, Material, Mesh, Scene, Triangle};
+use joton::spectrum::Bands;
 
 /// A scene under construction.
 pub struct Build(pub Scene);

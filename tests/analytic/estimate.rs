@@ -1,9 +1,9 @@
 //! The program's own estimate of its error, against the error that a closed form tells.
 
 use crate::build::{Build, Look, glowing, matte, v};
-use joton::cpu::CpuBackend;
+use joton::backend::cpu::CpuBackend;
 use joton::film::Image;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{Reason, Stop, render};
 use joton::scene::Scene;

@@ -1,7 +1,7 @@
 //! Glints: a lamp whose image is far smaller than a pixel [E25].
 
 use crate::build::{Build, Look, glowing, mirror, v};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 
 /// A ball that mirrors shows a lamp beside the eye with the focal length f = R/2: at the distance s it is f / (s + f) times as

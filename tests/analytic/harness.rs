@@ -1,14 +1,14 @@
 //! Rendering a scene in groups of passes, and holding a mean against its closed form.
 
 use joton::backend::Backend;
-use joton::bands::BANDS;
-use joton::cpu::{CpuBackend, PathTracer};
+use joton::backend::cpu::{CpuBackend, PathTracer};
+use joton::backend::gpu::{Context, GpuBackend};
+use joton::film::paths::LightPaths;
 use joton::film::{LAYERS, Layer};
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::scene::Scene;
+use joton::spectrum::BANDS;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// One value per band.

@@ -6,9 +6,9 @@ pub mod scenes;
 pub mod twins;
 pub mod world;
 
-use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::gpu::{Context, Kernel, link_source};
-use joton::layout::{MapInfo, PassInfo, PathFilter};
+use joton::backend::gpu::harness::{Harness, PATTERN, Work};
+use joton::backend::gpu::{Context, Kernel, link_source};
+use joton::packed::layout::{MapInfo, PassInfo, PathFilter};
 use std::io::Write;
 use std::sync::OnceLock;
 
@@ -163,7 +163,7 @@ impl Snippet<'_> {
 
 /// Numbers in [0, 1) for test inputs, by address.
 pub fn random(stream: u32, number: usize) -> [f32; 4] {
-    joton::rng::random4(0x7e57, stream, number as u32, 0)
+    joton::sampling::rng::random4(0x7e57, stream, number as u32, 0)
 }
 
 /// A direction uniform on the sphere.
@@ -186,8 +186,8 @@ pub fn map_info() -> MapInfo {
 
 /// The table of an expression, as the device gets it.
 pub fn path_filter(expression: &str) -> PathFilter {
-    joton::gpu::harness::path_filter(
-        &joton::paths::LightPaths::parse(expression).unwrap_or_else(|e| panic!("{e}")),
+    joton::backend::gpu::harness::path_filter(
+        &joton::film::paths::LightPaths::parse(expression).unwrap_or_else(|e| panic!("{e}")),
     )
 }
 

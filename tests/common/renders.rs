@@ -1,10 +1,10 @@
 //! Rendering a scene on each side.
 
 use joton::backend::Backend;
-use joton::cpu::{CpuBackend, PathTracer};
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::backend::cpu::{CpuBackend, PathTracer};
+use joton::backend::gpu::{Context, GpuBackend};
+use joton::film::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Plan, Settings};
 use joton::render::{Rendered, Stop, render};
 use std::sync::Arc;

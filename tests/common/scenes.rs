@@ -1,7 +1,7 @@
 //! Small scenes in code.
 
 use glam::DVec3;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::scene::{Camera, Light, Material, Mesh, Scene, Triangle};
 
 /// A scene under construction.

@@ -2,10 +2,10 @@
 
 use super::{Row, Snippet, row3};
 use glam::{DVec3, Vec3};
-use joton::bvh::Bvh;
-use joton::gpu::Context;
-use joton::gpu::harness::Harness;
-use joton::pack::{NO_EMITTER, PackedTriangle, first_corner};
+use joton::backend::gpu::Context;
+use joton::backend::gpu::harness::Harness;
+use joton::packed::accel::Bvh;
+use joton::packed::{NO_EMITTER, PackedTriangle, first_corner};
 
 /// Triangles in leaf order with their hierarchy.
 pub struct World {

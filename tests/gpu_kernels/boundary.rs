@@ -6,12 +6,12 @@ use crate::common::{kernel, map_info, pass_info, path_filter};
 use crate::device_or_return;
 use bytemuck::Zeroable;
 use glam::Vec3;
-use joton::gpu::Context;
-use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::layout::{
+use joton::backend::gpu::Context;
+use joton::backend::gpu::harness::{Harness, PATTERN, Work};
+use joton::packed::layout::{
     Clip, EDGE_CUT, EDGE_OTHERS, Fit, GatherPoint, Joton, Lane, MapInfo, PILOT_PASS, status,
 };
-use joton::pack::{PackedMaterial, PackedScene};
+use joton::packed::{PackedMaterial, PackedScene};
 use joton::scene::Material;
 use std::f32::consts::PI;
 

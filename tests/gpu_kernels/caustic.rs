@@ -4,8 +4,8 @@ use super::gather::{info, joton, map, point};
 use crate::common::{kernel, normal24, pass_info, random, random_direction};
 use crate::device_or_return;
 use glam::Vec3;
-use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::layout::{Fit, GatherPoint};
+use joton::backend::gpu::harness::{Harness, PATTERN, Work};
+use joton::packed::layout::{Fit, GatherPoint};
 
 const WIDTH: u32 = 13;
 const HEIGHT: u32 = 7;
@@ -61,7 +61,7 @@ fn counts_are_those_of_a_search_over_all() {
         }
         let r = info.radius.min(FOOTPRINTS[1] * p.path_length * ANGLE);
         let counted = |slack: f32| {
-            let inside = |j: &&joton::layout::Joton| {
+            let inside = |j: &&joton::packed::layout::Joton| {
                 let d = j.position - p.position;
                 let y = (j.normal_state >> 8) as u8 as i8;
                 d.length() < r + slack && d.y.abs() < 0.2 * r + slack && f32::from(y) / 127.0 > 0.7 - slack

@@ -5,10 +5,10 @@ use crate::common::{frame, map_info, normal24, pass_info, path_filter, random, r
 use crate::device_or_return;
 use bytemuck::Zeroable;
 use glam::Vec3;
-use joton::gpu::harness::{Harness, Work, encode_direction};
-use joton::gpu::{Context, Kernel, Variant, link};
-use joton::layout::{Clip, Fit, GatherPoint, Joton, Lane, MapInfo, row_bucket, status};
-use joton::pack::PackedMaterial;
+use joton::backend::gpu::harness::{Harness, Work, encode_direction};
+use joton::backend::gpu::{Context, Kernel, Variant, link};
+use joton::packed::PackedMaterial;
+use joton::packed::layout::{Clip, Fit, GatherPoint, Joton, Lane, MapInfo, row_bucket, status};
 use joton::scene::Material;
 use std::f64::consts::{PI, TAU};
 
@@ -261,7 +261,7 @@ fn decode(code: u32) -> Vec3 {
 
 fn check(context: &Context, name: &str, q: &Question<'_>, least: usize) {
     let (film, status) = q.ask(context);
-    assert_eq!(status[joton::layout::status::LOOP_CUT as usize], 0);
+    assert_eq!(status[joton::packed::layout::status::LOOP_CUT as usize], 0);
     let mut lit = 0;
     for (i, l) in film.iter().enumerate() {
         let Some(wanted) = search(q, i) else { continue };
@@ -451,9 +451,9 @@ fn a_cut_loop_is_told() {
 fn unwanted_paths_are_left_out() {
     let context = device_or_return!();
     // paths with exactly two D: the map holds those after one D, in the state after both
-    let paths = joton::paths::LightPaths::parse("LD.?DSE").unwrap_or_else(|e| panic!("{e}"));
-    use joton::paths::Event::{D, S};
-    let walk = |events: &[joton::paths::Event]| events.iter().fold(0, |q, e| paths.step(q, *e));
+    let paths = joton::film::paths::LightPaths::parse("LD.?DSE").unwrap_or_else(|e| panic!("{e}"));
+    use joton::film::paths::Event::{D, S};
+    let walk = |events: &[joton::film::paths::Event]| events.iter().fold(0, |q, e| paths.step(q, *e));
     let mut p = point(Vec3::ZERO, Vec3::Y, MATTE);
     for (events, chain, counts) in [
         (vec![D, D], 1, true),

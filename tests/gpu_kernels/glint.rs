@@ -4,12 +4,12 @@
 use crate::common::scenes::{Builder, emitter, glass, mirror};
 use crate::common::{kernel, pass_info, path_filter};
 use crate::device_or_return;
-use joton::gpu::Context;
-use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::layout::{
+use joton::backend::gpu::Context;
+use joton::backend::gpu::harness::{Harness, PATTERN, Work};
+use joton::packed::PackedScene;
+use joton::packed::layout::{
     GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS, GatherPoint, PILOT_PASS, PassInfo, STEP_BUDGET, status,
 };
-use joton::pack::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 

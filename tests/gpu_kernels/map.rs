@@ -4,10 +4,10 @@ use crate::common::{kernel, map_info};
 use crate::device_or_return;
 use bytemuck::Zeroable;
 use glam::Vec3;
-use joton::gpu::Context;
-use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::layout::{Joton, Lane, MapInfo, row_bucket, status};
-use joton::rng::{pcg4d, random4};
+use joton::backend::gpu::Context;
+use joton::backend::gpu::harness::{Harness, PATTERN, Work};
+use joton::packed::layout::{Joton, Lane, MapInfo, row_bucket, status};
+use joton::sampling::rng::{pcg4d, random4};
 
 /// Lane.status of a lane that has traced all.
 const DONE: u32 = 256;

@@ -2,14 +2,19 @@
 
 use crate::common::kernel;
 use crate::device_or_return;
-use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::rng::pcg4d;
+use joton::backend::gpu::harness::{Harness, PATTERN, Work};
+use joton::sampling::rng::pcg4d;
 
 const DIGITS: u32 = 256;
 const SIZES: [u32; 11] = [0, 1, 63, 64, 65, 127, 4095, 4096, 4097, 8191, 10_000];
 
 /// Sort by one digit on the device, the scan between done here; (keys, places).
-fn sort_digit(context: &joton::gpu::Context, keys: &[u32], shift: u32, chunk: u32) -> (Vec<u32>, Vec<u32>) {
+fn sort_digit(
+    context: &joton::backend::gpu::Context,
+    keys: &[u32],
+    shift: u32,
+    chunk: u32,
+) -> (Vec<u32>, Vec<u32>) {
     let [count, scatter] = ["count", "scatter"].map(|e| kernel(context, "radix.wgsl", e, &[]));
     let n = keys.len() as u32;
     // more chunks than needed, as a map has that is not full
@@ -50,7 +55,7 @@ fn sort_digit(context: &joton::gpu::Context, keys: &[u32], shift: u32, chunk: u3
 }
 
 /// Keys come in the order of their digit, equal digits in the order in which they were: places say so.
-fn check(context: &joton::gpu::Context, keys: &[u32], shift: u32, chunk: u32) {
+fn check(context: &joton::backend::gpu::Context, keys: &[u32], shift: u32, chunk: u32) {
     let (sorted, places) = sort_digit(context, keys, shift, chunk);
     let mut wanted: Vec<(u32, u32)> = keys.iter().copied().zip(0..).collect();
     wanted.sort_by_key(|(k, _)| (k >> shift) % DIGITS);

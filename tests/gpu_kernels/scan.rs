@@ -2,10 +2,10 @@
 
 use crate::common::kernel;
 use crate::device_or_return;
-use joton::gpu::harness::{Harness, PATTERN, Work};
-use joton::rng::pcg4d;
+use joton::backend::gpu::harness::{Harness, PATTERN, Work};
+use joton::sampling::rng::pcg4d;
 
-/// As src/gpu/map.rs has it.
+/// As src/backend/gpu/map.rs has it.
 const BLOCK: u32 = 256;
 /// One more than one dimension of a dispatch holds, in workgroups of 64.
 const FOLDED: u32 = 65_535 * 64 + 65;

@@ -4,10 +4,10 @@ use crate::common::scenes::{Builder, emitter, glass, mirror};
 use crate::common::{kernel, map_info, pass_info, path_filter};
 use crate::device_or_return;
 use bytemuck::Zeroable;
-use joton::gpu::harness::{Harness, Work};
-use joton::gpu::{Context, Kernel, link_source};
-use joton::layout::{Joton, Lane, LaneTally, STEP_BUDGET};
-use joton::pack::PackedScene;
+use joton::backend::gpu::harness::{Harness, Work};
+use joton::backend::gpu::{Context, Kernel, link_source};
+use joton::packed::PackedScene;
+use joton::packed::layout::{Joton, Lane, LaneTally, STEP_BUDGET};
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 

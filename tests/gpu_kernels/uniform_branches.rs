@@ -4,7 +4,7 @@
 //! The conditions are read from naga's module. A value is as far from constant as what it is computed from; functions
 //! take theirs from all calls; a variable that is set under a condition is a choice of its own, but for a loop's counter.
 
-use joton::gpu::{SOURCES, Variant, link, link_source};
+use joton::backend::gpu::{SOURCES, Variant, link, link_source};
 use naga::{Block, Expression, Function, Handle, LocalVariable, Module, Statement};
 use std::collections::HashMap;
 

@@ -3,8 +3,8 @@
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row, row3, vec3};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
-use joton::layout::{SURE_EVENTS, SURVIVAL_MAX};
-use joton::pack::PackedMaterial;
+use joton::packed::PackedMaterial;
+use joton::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
 use joton::scene::{Dielectric, Material};
 use std::f64::consts::{PI, TAU};
 
@@ -123,10 +123,10 @@ fn dielectric() -> PackedMaterial {
 
 /// A harness with materials that a snippet reads as `materials`.
 fn with_materials<'a>(
-    context: &'a joton::gpu::Context,
+    context: &'a joton::backend::gpu::Context,
     materials: &[PackedMaterial],
-) -> joton::gpu::harness::Harness<'a> {
-    let mut harness = joton::gpu::harness::Harness::new(context);
+) -> joton::backend::gpu::harness::Harness<'a> {
+    let mut harness = joton::backend::gpu::harness::Harness::new(context);
     harness.storage("materials", materials);
     harness
 }
@@ -225,7 +225,7 @@ fn narrow_lobes_are_their_formula() {
         let e = f64::from(m.specular_exponent);
         let below = 0.5 * (2.0 * wi.dot(n) * n - wi - wo).length_squared();
         let wanted = f64::from(m.specular[0]) * (e + 2.0) / TAU * (e * (-below).ln_1p()).exp();
-        let host = joton::optics::bsdf::eval_narrow(m, vec3(i[1]), vec3(i[2]), vec3(i[0]))[0];
+        let host = joton::optics::shading::bsdf::eval_narrow(m, vec3(i[1]), vec3(i[2]), vec3(i[0]))[0];
         // directions of f32 are off by 3e-7 of an angle of three widths, 3/√e
         let tolerance = f64::from(m.specular[0]) * (e + 2.0) / TAU * (2e-6 + 1e-6 * e.sqrt());
         for (side, got) in [("device", floats(o)[0]), ("host", host)] {
@@ -274,7 +274,7 @@ fn chances_share_out_the_flux() {
         let m = &materials[floats(*i)[3] as usize];
         let carried = dvec3(*i);
         let reflectance = f64::from(floats(*r)[0]);
-        let share = |tint: joton::bands::Bands, f: f64| {
+        let share = |tint: joton::spectrum::Bands, f: f64| {
             let left = carried * DVec3::from(tint.map(f64::from)) * f;
             left.max_element() / carried.max_element()
         };
@@ -314,8 +314,8 @@ fn brdf_samples_follow_their_pdf() {
     for m in 0..materials.len() {
         let inputs: Vec<[Row; 1]> = (0..COUNT)
             .map(|i| {
-                let [a, b] = joton::rng::sobol2(i as u32, 70);
-                let [c, _] = joton::rng::sobol2(i as u32, 71);
+                let [a, b] = joton::sampling::rng::sobol2(i as u32, 70);
+                let [c, _] = joton::sampling::rng::sobol2(i as u32, 71);
                 [row([a, b, c, 0.0])]
             })
             .collect();

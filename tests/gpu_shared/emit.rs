@@ -6,9 +6,9 @@ use crate::common::scenes::{Builder, emitter, glass, three_glass_spheres};
 use crate::common::{Row, Snippet, dvec3, map_info, pass_info};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
-use joton::cpu::harness::emit;
-use joton::gpu::harness::Harness;
-use joton::pack::{Guide, PackedEmitter, PackedScene};
+use joton::backend::cpu::harness::emit;
+use joton::backend::gpu::harness::Harness;
+use joton::packed::{Guide, PackedEmitter, PackedScene};
 use joton::plan::{Plan, Settings};
 use joton::scene::Light;
 use std::f64::consts::{PI, TAU};
@@ -26,13 +26,17 @@ fn add(sums: &mut Sums, flux: f64, direction: DVec3, origin: DVec3) {
 }
 
 /// Emit COUNT jotons on the device.
-fn device_jotons(context: &joton::gpu::Context, scene: &PackedScene, caustic: bool) -> Vec<[Row; 3]> {
+fn device_jotons(
+    context: &joton::backend::gpu::Context,
+    scene: &PackedScene,
+    caustic: bool,
+) -> Vec<[Row; 3]> {
     jotons_from(context, scene, caustic, 0, COUNT)
 }
 
 /// Emit so many jotons from this index of the sequences on.
 fn jotons_from(
-    context: &joton::gpu::Context,
+    context: &joton::backend::gpu::Context,
     scene: &PackedScene,
     caustic: bool,
     first: u64,
@@ -119,8 +123,8 @@ fn law(scene: &PackedScene, through: bool) -> Sums {
     let d64 = |v: Vec3| v.as_dvec3();
     for (k, e) in scene.emitters.iter().enumerate() {
         for i in 0..EACH {
-            let [a, b] = joton::rng::sobol2(i, 1000 + 2 * k as u32).map(f64::from);
-            let [c, d] = joton::rng::sobol2(i, 1001 + 2 * k as u32).map(f64::from);
+            let [a, b] = joton::sampling::rng::sobol2(i, 1000 + 2 * k as u32).map(f64::from);
+            let [c, d] = joton::sampling::rng::sobol2(i, 1001 + 2 * k as u32).map(f64::from);
             let (origin, direction, density) = start(e, [a, b, c, d]);
             let meets = scene.targets.iter().any(|t| {
                 let off = d64(t.center) - origin;

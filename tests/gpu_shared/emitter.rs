@@ -2,13 +2,13 @@
 
 use crate::common::{Row, Snippet, floats, random, row};
 use crate::device_or_return;
-use joton::gpu::harness::Harness;
-use joton::pack::PackedEmitter;
+use joton::backend::gpu::harness::Harness;
+use joton::packed::PackedEmitter;
 
 const EMITTERS: &str = "@group(0) @binding(0) var<storage, read> emitters: array<PackedEmitter>;\n";
 const BELOW_ONE: f32 = 1.0 - 1.0 / 16_777_216.0;
 
-/// A table as src/pack/emitters.rs makes it: sums in f64, picks as differences of the rounded sums.
+/// A table as src/packed/emitters.rs makes it: sums in f64, picks as differences of the rounded sums.
 fn table(weights: &[f64]) -> Vec<PackedEmitter> {
     let total: f64 = weights.iter().sum();
     let (mut before, mut running) = (0.0f32, 0.0f64);

@@ -3,7 +3,7 @@
 use crate::common::{Row, Snippet, floats, random, row3};
 use crate::device_or_return;
 use glam::Vec3;
-use joton::layout::row_bucket;
+use joton::packed::layout::row_bucket;
 
 #[test]
 fn cells_rows_and_columns_are_rusts() {
@@ -61,13 +61,13 @@ fn numbers_past_65535_workgroups_are_all_there() {
              fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{\n\
              let i = linear_index(id, groups); if i >= {count}u {{ return; }} marks[i] += i + 1u; }}\n"
         );
-        let linked = joton::gpu::link_source(&text).unwrap_or_else(|e| panic!("{e}"));
-        let kernel = joton::gpu::Kernel::from_source(context, "marks", &linked, "main", &[])
+        let linked = joton::backend::gpu::link_source(&text).unwrap_or_else(|e| panic!("{e}"));
+        let kernel = joton::backend::gpu::Kernel::from_source(context, "marks", &linked, "main", &[])
             .unwrap_or_else(|e| panic!("{e}"));
-        let mut harness = joton::gpu::harness::Harness::new(context);
+        let mut harness = joton::backend::gpu::harness::Harness::new(context);
         harness.storage("marks", &vec![0u32; count as usize]);
         harness
-            .run(&kernel, &[], &[], joton::gpu::harness::Work::Invocations(count))
+            .run(&kernel, &[], &[], joton::backend::gpu::harness::Work::Invocations(count))
             .unwrap_or_else(|e| panic!("{e}"));
         let marks: Vec<u32> = harness.read("marks").unwrap_or_else(|e| panic!("{e}"));
         let wrong = marks.iter().zip(1u32..).position(|(&m, i)| m != i);

@@ -5,8 +5,8 @@ use crate::common::world::{Ray, T_SCALE, World, trace};
 use crate::common::{Row, Snippet, floats, random, random_direction, row3, vec3};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
-use joton::gpu::Context;
-use joton::pack::PackedTriangle;
+use joton::backend::gpu::Context;
+use joton::packed::PackedTriangle;
 
 /// Weights of the device may be off by this much: f32 cross products of coordinates near 1000.
 const SLACK: f64 = 2e-5;
@@ -205,12 +205,13 @@ fn surfaces_lie_where_rays_hit() {
     let world = World::new(&ball(2, 400.0, Vec3::ZERO));
     let mut harness = world.harness(context);
     let smooth: Vec<PackedTriangle> =
-        world.triangles.iter().map(|t| PackedTriangle { flags: joton::pack::SMOOTH, ..*t }).collect();
+        world.triangles.iter().map(|t| PackedTriangle { flags: joton::packed::SMOOTH, ..*t }).collect();
     harness.storage("triangles", &smooth);
     let normals: Vec<[u32; 4]> = smooth
         .iter()
         .map(|t| {
-            let [a, b, c] = t.vertices().map(|p| joton::gpu::harness::encode_direction(p.normalize()));
+            let [a, b, c] =
+                t.vertices().map(|p| joton::backend::gpu::harness::encode_direction(p.normalize()));
             [a, b, c, 0]
         })
         .collect();

@@ -2,8 +2,8 @@
 
 use crate::common::{Row, Snippet, pass_info};
 use crate::device_or_return;
-use joton::gpu::harness::Harness;
-use joton::rest::Rest;
+use joton::backend::gpu::harness::Harness;
+use joton::film::tile_schedule::Rest;
 
 /// The list holds every pixel of the image once, those that rest least first; indices are those of the host.
 #[test]
@@ -11,7 +11,7 @@ fn live_pixels_and_indices_are_the_hosts() {
     let context = device_or_return!();
     let size = [20, 12];
     let rest = Rest::new(size, vec![3, 0, 1, 4, 0, 2]);
-    for pass_index in [0u32, 1, 5, 16, 32, 80, 1000, joton::layout::PILOT_PASS] {
+    for pass_index in [0u32, 1, 5, 16, 32, 80, 1000, joton::packed::layout::PILOT_PASS] {
         let mut pass = pass_info();
         pass.set_image(size);
         pass.pass_index = pass_index;

@@ -1,9 +1,9 @@
-//! shared/paths.wgsl against the automata of src/paths.rs.
+//! shared/paths.wgsl against the automata of src/film/paths/mod.rs.
 
 use crate::common::{Row, Snippet, path_filter};
 use crate::device_or_return;
-use joton::gpu::harness::Harness;
-use joton::paths::{Event, LightPaths};
+use joton::backend::gpu::harness::Harness;
+use joton::film::paths::{Event, LightPaths};
 
 const FILTER: &str = "@group(0) @binding(0) var<uniform> path_filter: PathFilter;\n";
 

@@ -1,8 +1,8 @@
-//! shared/rng.wgsl against src/rng.rs: integers and 24-bit fractions, so equal bit for bit.
+//! shared/rng.wgsl against src/sampling/rng.rs: integers and 24-bit fractions, so equal bit for bit.
 
 use crate::common::{Row, Snippet, floats};
 use crate::device_or_return;
-use joton::rng;
+use joton::sampling::rng;
 
 const IMPORTS: &[&str] = &["shared/rng.wgsl"];
 

@@ -6,7 +6,7 @@
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row, row3, vec3};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
-use joton::optics::sampling::unit_circle;
+use joton::sampling::distributions::unit_circle;
 use std::f64::consts::{PI, TAU};
 
 const IMPORTS: &[&str] = &["shared/sampling.wgsl"];
@@ -173,8 +173,10 @@ const OCTAHEDRAL_ERROR: f64 = 4.2427 / 65_534.0 + 3e-7;
 fn directions_survive_32_bits() {
     let context = device_or_return!();
     let all = directions();
-    let inputs: Vec<[Row; 1]> =
-        all.iter().map(|d| [row3(*d, f32::from_bits(joton::gpu::harness::encode_direction(*d)))]).collect();
+    let inputs: Vec<[Row; 1]> = all
+        .iter()
+        .map(|d| [row3(*d, f32::from_bits(joton::backend::gpu::harness::encode_direction(*d)))])
+        .collect();
     let code = "let i = in_f(0u);
         let e = encode_direction(i.xyz);
         out_f(0u, vec4(decode_direction(e), bitcast<f32>(e)));
@@ -219,7 +221,7 @@ fn samples_have_the_moments_of_their_laws() {
     const N: u32 = 1 << 14;
     let inputs: Vec<[Row; 1]> = (0..N)
         .map(|i| {
-            let [a, b] = joton::rng::sobol2(i, 5);
+            let [a, b] = joton::sampling::rng::sobol2(i, 5);
             [row([a, b, 0.0, 0.0])]
         })
         .collect();

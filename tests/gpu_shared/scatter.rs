@@ -4,15 +4,15 @@ use crate::common::scenes::{Builder, glass};
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row3, vec3};
 use crate::device_or_return;
 use glam::Vec3;
-use joton::gpu::harness::Harness;
-use joton::pack::{PackedMaterial, PackedScene};
+use joton::backend::gpu::harness::Harness;
+use joton::packed::{PackedMaterial, PackedScene};
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 
 const SCATTER: &[&str] = &["shared/features.wgsl", "shared/scene.wgsl", "shared/scatter.wgsl"];
 
 /// A scene that only serves to fill the bindings.
-fn harness(context: &joton::gpu::Context) -> Harness<'_> {
+fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {
     let mut b = Builder::new([0., 0., 2.], [0.; 3], [0., 1., 0.], 0.5, 4);
     let matte = b.matte(0.5);
     b.material(glass(1.5));

@@ -1,7 +1,7 @@
 //! What cannot be meant is said, and nothing else is.
 
 use crate::folder::Folder;
-use joton::pack::{PackedScene, doubts};
+use joton::packed::{PackedScene, doubts};
 
 const MTL: &str = "newmtl wall\nKd .5 .5 .5\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\nnewmtl glass\nillum 7\nNi 1.5\n\
                    newmtl drink\nillum 7\nNi 1.33\nnewmtl over\nillum 7\nNi .887\n";

@@ -3,7 +3,7 @@
 
 use crate::folder::{Folder, TRIANGLE};
 use cpu_time::ThreadTime;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::scene::Scene;
 use std::fmt::Write;
 use std::time::Duration;

@@ -1,8 +1,8 @@
 //! Materials: libraries of MTL, and the rule that decides what a material is.
 
 use crate::folder::{Folder, TRIANGLE, load_obj, refused, warned, with_mtl};
-use joton::bands::Bands;
 use joton::scene::Material;
+use joton::spectrum::Bands;
 
 fn material(statements: &str) -> Material {
     with_mtl(format!("newmtl m\n{statements}\n")).unwrap().materials.remove(0)

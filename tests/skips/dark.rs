@@ -5,7 +5,7 @@ use crate::common::twins::{self, EVERYTHING, TURNED, ball_above_lamp};
 use crate::renders::{Side, is_black, plan, run};
 use glam::DVec3;
 use joton::film::Layer;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Reason};
 use joton::scene::{Light, Scene};
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -5,7 +5,7 @@ use crate::common::twins::EVERYTHING;
 use crate::renders::{Side, both, plan, run};
 use glam::DVec3;
 use joton::film::Layer;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Reason};
 use joton::scene::{Material, Scene};
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use crate::common::twins::{self, EVERYTHING, WIDE, file};
 use crate::renders::{SCENES, Side, bits, both, is_alike, plan, run};
 use joton::film::{Layer, Picture};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Plan};
 use std::sync::Arc;
 

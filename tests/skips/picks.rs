@@ -3,12 +3,12 @@
 use crate::common::scenes::{Builder, emitter};
 use crate::common::twins::{file, hall};
 use crate::renders::{SIGNIFICANCE, Side, both, plan, run};
-use joton::bands::{BANDS, sum};
+use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer};
-use joton::pack::{PackedEmitter, PackedScene};
+use joton::packed::{PackedEmitter, PackedScene};
 use joton::plan::Part;
 use joton::scene::Scene;
-use joton::stats::{Estimate, test_equal};
+use joton::spectrum::{BANDS, sum};
 use std::sync::Arc;
 
 /// Light that bounces once.

@@ -6,7 +6,7 @@ use crate::common::twins::{self, EVERYTHING};
 use crate::renders::{Side, both, is_alike, packed, plan, run};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use joton::film::Picture;
-use joton::pack::{OutOfReach, PackedScene};
+use joton::packed::{OutOfReach, PackedScene};
 use joton::plan::Part;
 use joton::scene::{Light, Scene, Triangle};
 use proptest::prelude::*;

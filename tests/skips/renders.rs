@@ -1,12 +1,12 @@
 //! Rendering with and without skips.
 
 pub use crate::common::renders::{Side, plan_keeping as plan, run};
-use joton::bands::BANDS;
+use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::Part;
 use joton::scene::Scene;
-use joton::stats::{Estimate, test_equal};
+use joton::spectrum::BANDS;
 use std::sync::Arc;
 
 /// Scenes of the repository.

@@ -2,7 +2,7 @@
 
 use crate::common::twins::{self, Case, EVERYTHING, file};
 use crate::renders::{SCENES, plan};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Reason, Skip};
 use std::collections::BTreeSet;
 use std::sync::OnceLock;

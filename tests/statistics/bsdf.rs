@@ -7,8 +7,8 @@ use crate::device::Device;
 use crate::device_or_return;
 use crate::directions::{NORMAL, any_scene, density_d, materials, views, wgsl};
 use glam::{DVec3, Vec3};
-use joton::optics::bsdf::{eval_d, pdf_d};
-use joton::pack::PackedMaterial;
+use joton::optics::shading::bsdf::{eval_d, pdf_d};
+use joton::packed::PackedMaterial;
 
 /// What a side says of a pair of directions: pdf, BRDF, BRDF with the directions exchanged (first band).
 type Answer = [f64; 3];

@@ -1,7 +1,7 @@
 //! χ²: do samples follow a density? The tool, and what it must accept and reject itself.
 
 use glam::DVec3;
-use joton::stats::sidak;
+use joton::film::stats::sidak;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::TAU;
 
@@ -71,7 +71,7 @@ pub fn in_square(samples: impl Iterator<Item = Option<[f64; 2]>>, density: impl 
     let mut expected = vec![0.0; BINS * BINS + 1];
     for y in 0..BINS * POINTS {
         for x in 0..BINS * POINTS {
-            let [u, v, ..] = joton::rng::random4(0, x as u32, y as u32, 0);
+            let [u, v, ..] = joton::sampling::rng::random4(0, x as u32, y as u32, 0);
             let p = [(x, u), (y, v)].map(|(i, u)| (i as f64 + f64::from(u)) * step);
             expected[y / POINTS * BINS + x / POINTS] += count * step * step * density(p);
         }
@@ -165,7 +165,7 @@ impl Claims {
 /// Numbers in [0, 1) for samples, by address; another set for each `purpose`.
 pub fn draws(purpose: u32, count: u32) -> impl Iterator<Item = [f32; 4]> {
     let seed = seed();
-    (0..count).map(move |i| joton::rng::random4(seed, purpose, i, 0x57a7))
+    (0..count).map(move |i| joton::sampling::rng::random4(seed, purpose, i, 0x57a7))
 }
 
 /// Samples of a density are accepted, of a density two per cent off in shape they are not; nor are samples outside of
@@ -188,7 +188,7 @@ fn chi_square_accepts_what_is_right_and_rejects_the_rest() {
     assert!(strayed < SIGNIFICANCE, "{strayed}");
     let clean = in_square(draws(1, COUNT).map(|u| Some([f64::from(u[0]), f64::from(u[1]) / 2.0])), half);
     assert!(clean > SIGNIFICANCE, "{clean}");
-    let even = (0..COUNT).map(|i| Some(joton::rng::sobol2(i, 1).map(f64::from)));
+    let even = (0..COUNT).map(|i| Some(joton::sampling::rng::sobol2(i, 1).map(f64::from)));
     let p = in_square(even, |_| 1.0);
     assert!(p > 0.999 && both_tails(p) < SIGNIFICANCE, "{p}");
 }

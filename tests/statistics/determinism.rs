@@ -4,7 +4,7 @@
 use crate::renders::{EVERYTHING, Side, file, open, plan};
 use joton::backend::Batch;
 use joton::film::Layer;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use std::sync::Arc;
 
 /// Passes beyond the first group of area points (16 passes).

@@ -1,9 +1,9 @@
 //! The shared functions of the kernels, run over samples.
 
 use crate::common::{Row, Snippet, map_info, pass_info};
-use joton::gpu::Context;
-use joton::gpu::harness::Harness;
-use joton::pack::{Guide, PackedMaterial, PackedScene};
+use joton::backend::gpu::Context;
+use joton::backend::gpu::harness::Harness;
+use joton::packed::{Guide, PackedMaterial, PackedScene};
 use joton::plan::{Guides, Plan, Settings};
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ const DECLARATIONS: &str = "override CAUSTIC: bool = false;
 pub struct Device<'a> {
     context: &'a Context,
     harness: Harness<'a>,
-    pass: joton::layout::PassInfo,
+    pass: joton::packed::layout::PassInfo,
 }
 
 impl<'a> Device<'a> {

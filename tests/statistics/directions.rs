@@ -6,10 +6,10 @@ use crate::common::{Row, dvec3, floats, row};
 use crate::device::Device;
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
-use joton::cpu::harness::mirror_lobe;
-use joton::optics::bsdf::sample_d;
-use joton::optics::sampling::{cone, cosine_hemisphere, disc, phong_lobe, sphere, triangle};
-use joton::pack::{PackedMaterial, PackedScene};
+use joton::backend::cpu::harness::mirror_lobe;
+use joton::optics::shading::bsdf::sample_d;
+use joton::packed::{PackedMaterial, PackedScene};
+use joton::sampling::distributions::{cone, cosine_hemisphere, disc, phong_lobe, sphere, triangle};
 use joton::scene::Material;
 use std::f64::consts::{PI, TAU};
 

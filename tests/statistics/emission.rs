@@ -8,8 +8,8 @@ use crate::common::scenes::{Builder, emitter, three_glass_spheres};
 use crate::common::{Row, dvec3, row3};
 use crate::device::Device;
 use glam::{DVec3, Vec3};
-use joton::cpu::harness;
-use joton::pack::{EmitterKind, Guide, PackedEmitter, PackedScene};
+use joton::backend::cpu::harness;
+use joton::packed::{EmitterKind, Guide, PackedEmitter, PackedScene};
 use joton::scene;
 use std::f64::consts::{PI, TAU};
 
@@ -55,7 +55,7 @@ const LIGHTS: [Light; 4] = [
 
 /// Numbers of jotons: any of 2³².
 fn numbers() -> Vec<u32> {
-    (0..COUNT).map(|i| joton::rng::pcg4d([i, 0xe317, 0, seed()])[0]).collect()
+    (0..COUNT).map(|i| joton::sampling::rng::pcg4d([i, 0xe317, 0, seed()])[0]).collect()
 }
 
 /// Jotons of one side; none where nothing is emitted.
@@ -139,7 +139,7 @@ impl Window {
 
 /// Cones of the targets as seen from `origin`: axis and 1 − cosine of the half angle.
 fn cones(scene: &PackedScene, origin: DVec3) -> Vec<(DVec3, f64)> {
-    let cone = |t: &joton::pack::Target| {
+    let cone = |t: &joton::packed::Target| {
         let to = t.center.as_dvec3() - origin;
         let sine2 = f64::from(t.radius).powi(2) / to.length_squared();
         (to.normalize(), sine2 / (1.0 + (1.0 - sine2).sqrt()))

@@ -1,11 +1,11 @@
 //! Glints: trees look where lamps are seen through glass. The mean stays, the noise goes [E25].
 
 use crate::renders::{EVERYTHING, Side, file, open, plan};
-use joton::bands::BANDS;
+use joton::estimators::split_paths::{Glints, Light, Look};
 use joton::film::{Layer, RELATIVE_OFFSET};
-use joton::glints::{Glints, Light, Look};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::scene::Scene;
+use joton::spectrum::BANDS;
 use std::sync::Arc;
 
 const SIDE: u32 = 48;

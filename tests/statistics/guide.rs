@@ -7,12 +7,12 @@ use crate::common::{Row, dvec3, floats, row};
 use crate::device::Device;
 use crate::renders::{Side, file, layer, pictures, plan};
 use glam::DVec3;
-use joton::cpu::harness;
+use joton::backend::cpu::harness;
 use joton::film::Layer;
-use joton::pack::{Guide, PackedScene, WARP_BINS, Warp};
+use joton::film::stats::{Estimate, test_equal};
+use joton::packed::{Guide, PackedScene, WARP_BINS, Warp};
 use joton::plan::{Guides, Plan};
 use joton::scene::Light;
-use joton::stats::{Estimate, test_equal};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::sync::Arc;
 
@@ -26,14 +26,14 @@ const EMITTED: u32 = 1000;
 
 /// Weights of a warp that is right for nothing: over a factor of thirty, without any order.
 fn haphazard(number: u32) -> Vec<f64> {
-    (0..BINS as u32).map(|i| 30f64.powf(joton::rng::random4(7, number, i, 0)[0].into())).collect()
+    (0..BINS as u32).map(|i| 30f64.powf(joton::sampling::rng::random4(7, number, i, 0)[0].into())).collect()
 }
 
 /// A guide that has learned nonsense: picks over a factor of a hundred, and every other emitter steered astray.
 fn misled(scene: &PackedScene) -> Guide {
     let count = scene.emitters.len();
     let weights: Vec<f64> =
-        (0..count as u32).map(|i| 100f64.powf(joton::rng::random4(8, 0, i, 0)[0].into())).collect();
+        (0..count as u32).map(|i| 100f64.powf(joton::sampling::rng::random4(8, 0, i, 0)[0].into())).collect();
     let warps = vec![Warp::new(&haphazard(0)), Warp::new(&haphazard(1))];
     Guide::new(&scene.emitters, &weights, warps, |i| [Some(0), None, Some(1)][i % 3], 1.0)
 }
@@ -91,7 +91,7 @@ fn moments(origin: DVec3, direction: DVec3, flux: f64) -> Moments {
 
 /// What caustic jotons carry, one by one.
 fn emitted(side: Side, scene: &PackedScene, guide: &Guide, purpose: u32) -> Option<Vec<Moments>> {
-    let numbers = (0..COUNT).map(|i| joton::rng::pcg4d([i, purpose, 0, seed()])[0]);
+    let numbers = (0..COUNT).map(|i| joton::sampling::rng::pcg4d([i, purpose, 0, seed()])[0]);
     if side == Side::Host {
         let one = |i| match harness::emit(scene, guide, seed(), true, i, EMITTED) {
             Some((origin, direction, flux)) => {
@@ -339,7 +339,7 @@ fn every_light_keeps_a_share() {
     let many = || {
         let mut b = Builder { scene: file("pool.toml", 24) };
         for i in 0..20_000 {
-            let [x, y, z, _] = joton::rng::random4(9, 0, i, 0).map(f64::from);
+            let [x, y, z, _] = joton::sampling::rng::random4(9, 0, i, 0).map(f64::from);
             b.point_light([3.0 + x, y, z], 1e-3 * (i % 7 + 1) as f32);
         }
         PackedScene::new(&b.scene)

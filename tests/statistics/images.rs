@@ -1,5 +1,5 @@
 //! Images: both backends and the path tracer estimate the same radiance, pixel by pixel, layer by layer and class by class
-//! of paths. Welch's test over independent seeds, corrected for the number of pixels ([`joton::stats`]).
+//! of paths. Welch's test over independent seeds, corrected for the number of pixels ([`joton::film::stats`]).
 //!
 //! The backends share every radius, so between them bias cancels and all pixels are compared. Against the path tracer
 //! at radii that are narrow enough for bias to vanish in the noise.
@@ -7,12 +7,12 @@
 use crate::chi_square::{Claims, SIGNIFICANCE};
 use crate::device_or_return;
 use crate::renders::{EVERYTHING, Side, file, layer, pictures};
-use joton::bands::BANDS;
+use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::Plan;
 use joton::scene::Scene;
-use joton::stats::{Estimate, test_equal};
+use joton::spectrum::BANDS;
 use std::sync::Arc;
 
 pub const SIZE: u32 = 24;

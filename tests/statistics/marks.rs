@@ -3,8 +3,8 @@
 use crate::chi_square::Claims;
 use crate::renders::{EVERYTHING, Side, file, layer, pictures, plan, run};
 use joton::film::Layer;
-use joton::pack::{Marks, PackedScene};
-use joton::stats::{Estimate, test_equal};
+use joton::film::stats::{Estimate, test_equal};
+use joton::packed::{Marks, PackedScene};
 use std::sync::Arc;
 
 /// Marks on one half of the box only: jotons of the other half are stored one in eight, and count as eight.

@@ -3,7 +3,7 @@
 
 use crate::renders::{EVERYTHING, Side, file, open, plan};
 use joton::film::{Film, Layer};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use std::sync::Arc;
 
 const SIZE: u32 = 24;

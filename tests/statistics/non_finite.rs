@@ -3,9 +3,9 @@
 use crate::renders::{EVERYTHING, Side, file, open, plan};
 use joton::backend::{Cause, NonFinite};
 use joton::film::Layer;
-use joton::pack::PackedScene;
+use joton::output::report::{Circumstances, Report};
+use joton::packed::PackedScene;
 use joton::render::{Rendered, Stop, render};
-use joton::report::{Circumstances, Report};
 use std::sync::Arc;
 
 const PASSES: u64 = 3;

@@ -6,9 +6,9 @@ use crate::common::{Row, dvec3, floats};
 use crate::device::Device;
 use crate::directions::inputs;
 use glam::DVec3;
-use joton::bands::sum;
-use joton::cpu::harness;
-use joton::pack::PackedScene;
+use joton::backend::cpu::harness;
+use joton::packed::PackedScene;
+use joton::spectrum::sum;
 
 const COUNT: u32 = 1 << 20;
 /// Bins across what is left of the number that picks.

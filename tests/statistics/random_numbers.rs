@@ -4,16 +4,18 @@
 //! The device's numbers are the host's bit for bit (gpu_shared, rng), so the host's are tested at both sides' addresses.
 
 use crate::chi_square::{Claims, SIGNIFICANCE, both_tails, seed, upper_tail};
-use joton::cpu::harness;
-use joton::rng::{purpose, random4, seed_at, sequence_seed, sequence2, sobol2};
-use joton::stats::sidak;
+use joton::backend::cpu::harness;
+use joton::film::stats::sidak;
+use joton::sampling::rng::{purpose, random4, seed_at, sequence_seed, sequence2, sobol2};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Constants of shared/rng.wgsl whose names start so.
 fn constants(prefix: &str) -> Vec<u32> {
-    let (_, text) =
-        joton::gpu::SOURCES.iter().find(|(name, _)| name.ends_with("rng.wgsl")).expect("the file is linked");
+    let (_, text) = joton::backend::gpu::SOURCES
+        .iter()
+        .find(|(name, _)| name.ends_with("rng.wgsl"))
+        .expect("the file is linked");
     let value = |line: &str| {
         let rest = line.strip_prefix("const ")?.strip_prefix(prefix)?;
         let value = rest.split('=').nth(1)?.trim().trim_end_matches("u;");
@@ -80,9 +82,10 @@ fn purposes_are_listed_and_used() {
         let words = code.split(|c: char| !c.is_alphanumeric() && c != '_');
         words.filter(|w| is_purpose(w)).map(String::from).collect()
     };
-    for (folder, lists) in
-        [("src", &["src/rng.rs", "cpu/streams.rs", "cpu/harness.rs"][..]), ("shaders", &["shared/rng.wgsl"])]
-    {
+    for (folder, lists) in [
+        ("src", &["src/sampling/rng.rs", "src/backend/cpu/streams.rs", "src/backend/cpu/harness.rs"][..]),
+        ("shaders", &["shared/rng.wgsl"]),
+    ] {
         let files = sources(&root.join(folder));
         let (listing, using): (Vec<_>, Vec<_>) =
             files.iter().partition(|(name, _)| lists.iter().any(|list| name.ends_with(list)));

@@ -3,9 +3,9 @@
 use crate::recipe::{Recipe, SIZE, recipe};
 use crate::renders::{EVERYTHING, Side, open, plan};
 use joton::backend::Tally;
-use joton::bands::BANDS;
 use joton::film::{LAYERS, Layer};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
+use joton::spectrum::BANDS;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::sync::Arc;
 

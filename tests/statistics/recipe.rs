@@ -2,8 +2,8 @@
 
 use crate::common::scenes::Builder;
 use glam::DVec3;
-use joton::bands::{BANDS, Bands};
 use joton::scene::{Dielectric, Light, Material, Scene};
+use joton::spectrum::{BANDS, Bands};
 use proptest::prelude::*;
 
 /// Pixels across and down.

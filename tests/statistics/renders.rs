@@ -3,7 +3,7 @@
 use crate::common::renders::plan_keeping;
 pub use crate::common::renders::{Side, open, run};
 use joton::film::{Image, Layer, Picture};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::Plan;
 use joton::scene::Scene;
 use std::ops::Range;

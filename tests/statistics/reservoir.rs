@@ -2,7 +2,7 @@
 
 use crate::chi_square::{Claims, draws, p_value};
 use crate::common::{Row, Snippet, device, row};
-use joton::optics::reservoir::Reservoir;
+use joton::optics::lights::reservoir::Reservoir;
 
 const COUNT: u32 = 1 << 17;
 /// Bins across what is left of the number that chooses.

@@ -5,11 +5,11 @@ use crate::chi_square::Claims;
 use crate::common::scenes::{Builder, emitter};
 use crate::images::{BLOCKS, SEEDS, SIZE, claim, scene};
 use crate::renders::{EVERYTHING, Side, open, plan, run};
+use joton::film::tile_schedule::Rest;
 use joton::film::{Film, Layer, Picture};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Part, Plan};
 use joton::render::Rendered;
-use joton::rest::Rest;
 use std::sync::Arc;
 
 /// The sides that rest, as far as they are here.

@@ -3,7 +3,7 @@
 use crate::common::scenes::{Builder, mirror};
 use crate::renders::{EVERYTHING, Side, plan, run};
 use glam::{DVec3, Vec3};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::scene::Light;
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ fn long_shadow_rays_see_what_is_near() {
     let corner = scene.bounds[1];
     let to_sun = TOWARD_SUN.normalize().as_vec3();
     for i in 0..2000u32 {
-        let [along, off, ..] = joton::rng::random4(0, 0, i, 0);
+        let [along, off, ..] = joton::sampling::rng::random4(0, 0, i, 0);
         // a unit is 1/1024 of the room
         let off = 10f32.powf(3.0 * off - 3.0);
         let from = Vec3::new(-corner.x + off, -corner.y + 2e-3, corner.z * (2.0 * along - 1.0));

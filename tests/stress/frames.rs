@@ -6,9 +6,9 @@ use crate::harness::{Renderer, everyone, mappers};
 use crate::sheet::{Sheet, Stress, is_long, sized};
 use crate::shoot::{SIGNIFICANCE, alike, batch, few_jotons, images, open, seed, shots};
 use glam::{DQuat, DVec3};
+use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Layer, Picture};
 use joton::scene::{Light, Material, Scene};
-use joton::stats::{Estimate, test_equal};
 
 /// The stresses of this file.
 pub const STRESSES: &[Stress] = &[

@@ -5,7 +5,7 @@ use crate::harness::{EVERYTHING, everyone, mappers, render};
 use crate::sheet::{Sheet, Stress, sized};
 use crate::shoot::{alike, images, seed, shots};
 use joton::film::Layer;
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::scene::Scene;
 use std::f64::consts::PI;
 

@@ -7,9 +7,9 @@ use crate::sheet::{Sheet, Stress, sized};
 use crate::shoot::{alike, few_jotons, images, seed, shots, shots_of};
 use glam::DVec3;
 use joton::film::Layer;
+use joton::film::stats::Estimate;
 use joton::plan::Plan;
 use joton::scene::{Light, Material, Scene};
-use joton::stats::Estimate;
 
 /// The stresses of this file.
 pub const STRESSES: &[Stress] = &[

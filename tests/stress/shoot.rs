@@ -2,14 +2,14 @@
 
 use crate::harness::Renderer;
 use crate::sheet::Sheet;
+use joton::backend::cpu::{CpuBackend, PathTracer};
+use joton::backend::gpu::{Context, GpuBackend};
 use joton::backend::{Backend, Batch};
-use joton::cpu::{CpuBackend, PathTracer};
+use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Film, Image, Layer, Picture};
-use joton::gpu::{Context, GpuBackend};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::scene::Scene;
-use joton::stats::{Estimate, test_equal};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 

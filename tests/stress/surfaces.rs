@@ -5,11 +5,11 @@ use crate::harness::{EVERYTHING, Renderer, Seen, everyone, mappers, render};
 use crate::sheet::{Sheet, Stress, sized};
 use crate::shoot::{alike, batch, few_jotons, images, open, seed, shots};
 use glam::DVec3;
-use joton::bands::Bands;
 use joton::film::{LAYERS, Layer};
-use joton::pack::PackedScene;
+use joton::packed::PackedScene;
 use joton::plan::Plan;
 use joton::scene::{Material, Scene};
+use joton::spectrum::Bands;
 use std::f64::consts::PI;
 
 /// The stresses of this file.

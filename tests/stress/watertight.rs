@@ -8,11 +8,11 @@ use crate::sheet::{Sheet, Stress, is_long, sized};
 use crate::shoot::{seed, shots};
 use glam::{DVec3, Vec3};
 use joton::backend::Backend;
-use joton::cpu::CpuBackend;
+use joton::backend::cpu::CpuBackend;
+use joton::backend::gpu::GpuBackend;
 use joton::film::Layer;
-use joton::gpu::GpuBackend;
-use joton::pack::PackedScene;
-use joton::paths::LightPaths;
+use joton::film::paths::LightPaths;
+use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -78,7 +78,7 @@ impl Closed {
     }
 
     /// Rays that leak on the device; a few chunks, so that they fit its buffers.
-    fn device_leaks(&self, context: &joton::gpu::Context, count: usize) -> u64 {
+    fn device_leaks(&self, context: &joton::backend::gpu::Context, count: usize) -> u64 {
         const CHUNK: usize = 1 << 20;
         let chunk = |first: usize| {
             let rays: Vec<Ray> = (first..(first + CHUNK).min(count)).map(|i| self.ray(i)).collect();
@@ -188,7 +188,7 @@ fn one_place(sheet: &mut Sheet) {
             let mut plan = Plan::new(&scene, seed(1));
             plan.diffuse_jotons = JOTONS;
             let rendered = match who {
-                Renderer::Device => joton::gpu::Context::open(None)
+                Renderer::Device => joton::backend::gpu::Context::open(None)
                     .and_then(|context| GpuBackend::new(context, Arc::clone(&scene), plan))
                     .and_then(|mut backend| backend.render(0, 1)),
                 _ => CpuBackend::new(Arc::clone(&scene), plan).render(0, 1),
@@ -223,7 +223,8 @@ fn cut_pilot(sheet: &mut Sheet) {
     let scene = Arc::new(PackedScene::new(&b.0));
     let paths = LightPaths::parse("LE").unwrap_or_else(|e| panic!("{e}"));
     let plan = Plan::new(&scene, Settings { paths, ..seed(1) });
-    let opened = joton::gpu::Context::open(None).and_then(|c| GpuBackend::new(c, Arc::clone(&scene), plan));
+    let opened =
+        joton::backend::gpu::Context::open(None).and_then(|c| GpuBackend::new(c, Arc::clone(&scene), plan));
     let (found, holds) = match opened {
         Err(e) => (format!("told: {e}"), matches!(e, joton::Error::Device { .. })),
         Ok(mut backend) => match backend.render(0, 1) {

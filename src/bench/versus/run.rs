@@ -1,12 +1,12 @@
 //! Run: start a driver, read its lines, and take its pictures in.
 
 use super::{DRIVING, Line, Renderer};
-use crate::bands::BANDS;
 use crate::bench::ladder::{Ladder, Seen};
 use crate::bench::{Row, Subject, Summary};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::output;
+use crate::spectrum::BANDS;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};

@@ -1,0 +1,145 @@
+//! Eye: a camera ray through specular surfaces to its gather point, and the emission met on the way (E S* L).
+
+use super::splits::{Splits, branches, pick};
+use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
+use crate::backend::Tally;
+use crate::film::paths::LightPaths;
+use crate::optics::ray::{Ray, Surface};
+use crate::optics::shading::bsdf::{reflectance_d, sample_mirror};
+use crate::packed::layout::{NARROW_STOPS, SURE_EVENTS, SURVIVAL_MAX};
+use crate::packed::{CameraRay, PackedMaterial, PackedScene, PackedTriangle};
+use crate::plan::Plan;
+use crate::sampling::rng::{random4, sequence_seed, sobol2};
+use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
+use glam::Vec3;
+
+/// The first D vertex of an eye path, or one with a narrow lobe in which lights without area are looked for; normals turned toward the eye.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GatherPoint<'a> {
+    pub(super) position: Vec3,
+    /// Unit geometric normal.
+    pub(super) ng: Vec3,
+    /// `ng` is the triangle's front normal, not its back's.
+    pub(super) front: bool,
+    /// Unit shading normal.
+    pub(super) ns: Vec3,
+    /// Unit vector toward the eye, back along the chain.
+    pub(super) wo: Vec3,
+    /// Radiance at the eye per radiance that leaves the point through its D lobes.
+    pub(super) throughput: Bands,
+    pub(super) material: &'a PackedMaterial,
+    pub(super) triangle: &'a PackedTriangle,
+    /// Specular events between the eye and the point.
+    pub(super) chain: u32,
+    /// Length of the path from the eye, internal units.
+    pub(super) length: f32,
+}
+
+/// What an eye path found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EyePath<'a> {
+    /// Radiance of the emitters on the chain, weighed beside the trees'.
+    pub(super) emission: Bands,
+    pub(super) gather_point: Option<GatherPoint<'a>>,
+}
+
+/// The camera's ray of a pixel in a pass; box filter one pixel wide.
+pub(super) fn camera_ray(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -> CameraRay {
+    ray_through(scene, pixel, sobol2(pass, sequence_seed(seed, pixel, STREAM_JITTER)))
+}
+
+/// The camera's ray through a place in a pixel.
+pub(super) fn ray_through(scene: &PackedScene, pixel: u32, [jx, jy]: [f32; 2]) -> CameraRay {
+    let [width, height] = scene.size;
+    let x = ((pixel % width) as f32 + jx) / width as f32;
+    let y = ((pixel / width) as f32 + jy) / height as f32;
+    scene.camera.ray([x, y])
+}
+
+/// True where emission is wanted that is seen through `chain` specular events (E S* L).
+pub(super) fn wants_emission(plan: &Plan, chain: u32) -> bool {
+    !plan.features.path_filter
+        || plan.settings.paths.accept_mask_after_specular(chain) >> LightPaths::START & 1 == 1
+}
+
+/// Follow a pixel's ray to the first D event. So many trees a pass see its emission, too.
+pub(super) fn follow<'a>(
+    scene: &'a PackedScene,
+    plan: &Plan,
+    pixel: u32,
+    pass: u32,
+    trees: f32,
+    tally: &mut Tally,
+) -> EyePath<'a> {
+    let settings = &plan.settings;
+    let CameraRay { origin, direction, travelled: mut length } =
+        camera_ray(scene, settings.seed, pixel, pass);
+    let mut ray = Ray::new(origin, direction);
+    // the first choices of way cover their square evenly over the passes: most of a glass ball's noise is theirs
+    let choices = sobol2(pass, sequence_seed(settings.seed, pixel, STREAM_CHOICE));
+    let (mut throughput, mut splits) = ([1.0; 3], Splits::start());
+    let mut path = EyePath { emission: BLACK, gather_point: None };
+    for chain in 0..EVENTS_MAX {
+        tally.rays += 1;
+        let Some(s) = Surface::hit(scene, &ray) else { return path };
+        length += s.distance;
+        if s.front && s.flags().is_emissive() && wants_emission(plan, chain) {
+            let emission = mul(&throughput, &s.material.emission);
+            path.emission = add(&path.emission, &scale(&emission, splits.weight_of_eye(trees)));
+        }
+        let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
+        let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
+        let carried = max(&throughput);
+        let (on, kept) = if s.flags().is_dielectric() {
+            let ways = branches(&s, &throughput);
+            let Some((taken, branch)) = pick(&ways, u_way) else { return path };
+            splits = splits.after(&ways, taken, carried);
+            throughput = branch.throughput;
+            (Some(branch.direction), branch.kept)
+        } else {
+            let weight_d = max(&mul(&throughput, &reflectance_d(s.material)));
+            let weight_s = max(&mul(&throughput, &s.material.specular));
+            if weight_d + weight_s <= 0.0 {
+                return path;
+            }
+            // lights without area are seen in a narrow lobe only from a path that stops there
+            let looks = plan.features.delta_lights && s.material.has_narrow_lobe();
+            let weight_stop = if looks { weight_d.max(NARROW_STOPS * weight_s) } else { weight_d };
+            // one lobe only: probability 1, no noise
+            let p_d = weight_stop / (weight_stop + weight_s);
+            if u_way < p_d {
+                path.gather_point = Some(GatherPoint {
+                    position: s.position,
+                    ng: s.ng,
+                    front: s.front,
+                    ns: s.ns,
+                    wo: s.back,
+                    throughput: scale(&throughput, 1.0 / p_d),
+                    material: s.material,
+                    triangle: s.triangle,
+                    chain,
+                    length,
+                });
+                return path;
+            }
+            throughput = scale(&mul(&throughput, &s.material.specular), 1.0 / (1.0 - p_d));
+            splits = splits.mirrored(weight_s / carried, weight_s / (weight_d + weight_s));
+            (sample_mirror(&s, [u0, u1]), weight_d + weight_s)
+        };
+        let Some(direction) = on else { return path };
+        let survival = survival(chain, kept / carried);
+        if u_survive >= survival {
+            return path;
+        }
+        throughput = scale(&throughput, 1.0 / survival);
+        ray = s.leave(direction);
+    }
+    tally.truncated += 1;
+    path
+}
+
+/// Probability that a camera path goes on after event `event`, which keeps the share `kept` of what it carries: nothing
+/// is left to chance but late in a path, where it ends as a joton's does [E3].
+pub(super) fn survival(event: u32, kept: f32) -> f32 {
+    if event < SURE_EVENTS { 1.0 } else { kept.min(SURVIVAL_MAX) }
+}

@@ -1,0 +1,93 @@
+//! Gather: the radiance that leaves a gather point, from the jotons around it. L = throughput Σ f Φ w, w = 1/(π r²) or
+//! corrected for the boundary [E7, E15].
+
+use super::boundary::Weights;
+use super::eye::GatherPoint;
+use super::kd_tree::{EMPTY, LANES};
+use super::maps::JotonMap;
+use super::window::Window;
+use crate::optics::shading::bsdf::eval_d;
+use crate::spectrum::{BANDS, Bands, add, mul, scale};
+use glam::Vec4;
+use std::f32::consts::FRAC_1_PI;
+
+/// Number of jotons that count.
+pub(super) fn count(map: &JotonMap, w: &Window) -> u32 {
+    let mut found = 0;
+    map.tree.visit(w.center, w.radius_squared, |quads| {
+        for four in &map.fours[quads] {
+            found += w.accept(four).0.bitmask().count_ones();
+        }
+    });
+    found
+}
+
+/// Radiance toward the eye, times the throughput. `accepted` masks the automaton's states, None where every path is
+/// wanted.
+pub(super) fn radiance(
+    map: &JotonMap,
+    g: &GatherPoint,
+    w: &Window,
+    weights: Weights,
+    accepted: Option<u32>,
+) -> Bands {
+    let sum = if g.material.flags().has_glossy() || accepted.is_some() {
+        one_by_one(map, g, w, weights, accepted.unwrap_or(u32::MAX))
+    } else {
+        scale(&mul(&irradiance(map, w, weights), &g.material.diffuse), FRAC_1_PI)
+    };
+    mul(&sum, &g.throughput)
+}
+
+/// Σ Φ w: f is the same for every joton.
+fn irradiance(map: &JotonMap, w: &Window, weights: Weights) -> Bands {
+    let mut sums = [Vec4::ZERO; BANDS];
+    let constant = Vec4::splat(weights.constant);
+    let sloped = weights.slope != [0.0; 2];
+    map.tree.visit(w.center, w.radius_squared, |quads| {
+        for (four, flux) in map.fours[quads.clone()].iter().zip(&map.flux[quads]) {
+            let (inside, d) = w.accept(four);
+            if !inside.any() {
+                continue;
+            }
+            let weight = if sloped {
+                let (x, y) = w.tangent(&d);
+                constant + x * weights.slope[0] + y * weights.slope[1]
+            } else {
+                constant
+            };
+            let weight = Vec4::select(inside, weight, Vec4::ZERO);
+            for b in 0..BANDS {
+                sums[b] += flux[b] * weight;
+            }
+        }
+    });
+    sums.map(|s| s.element_sum())
+}
+
+/// Σ f Φ w with f and the path's state of each joton.
+fn one_by_one(map: &JotonMap, g: &GatherPoint, w: &Window, weights: Weights, accepted: u32) -> Bands {
+    let mut sum = [0.0; BANDS];
+    map.tree.visit(w.center, w.radius_squared, |quads| {
+        for quad in quads {
+            let (inside, d) = w.accept(&map.fours[quad]);
+            let inside = inside.bitmask();
+            if inside == 0 {
+                continue;
+            }
+            let (x, y) = w.tangent(&d);
+            for lane in (0..LANES).filter(|l| inside >> l & 1 == 1) {
+                let slot = map.slots[quad * LANES + lane];
+                debug_assert!(slot != EMPTY, "empty slots are far away");
+                let joton = &map.jotons[slot as usize];
+                if accepted >> joton.state & 1 == 0 {
+                    continue;
+                }
+                let weight = weights.constant + weights.slope[0] * x[lane] + weights.slope[1] * y[lane];
+                let f = eval_d(g.material, joton.wi, g.wo, g.ns);
+                sum = add(&sum, &scale(&mul(&f, &joton.flux), weight));
+            }
+        }
+    });
+    sum
+}

@@ -1,0 +1,253 @@
+//! The CPU backend: the estimators of the GPU's kernels on native threads, written apart from them so that each can
+//! catch the other's mistakes; and the plain path tracer, ground truth for what path tracing can see.
+//!
+//! A pass: jotons → kd-trees → eye paths, direct light and gather, pixel by pixel. Every sum is taken in a fixed
+//! order: the same image whatever the number of threads.
+
+mod boundary;
+mod clip;
+mod direct;
+mod eye;
+mod gather;
+mod glint;
+#[doc(hidden)]
+pub mod harness;
+mod kd_tree;
+mod maps;
+mod path_tracer;
+mod pixels;
+mod splits;
+mod streams;
+mod trace;
+mod window;
+
+pub use path_tracer::PathTracer;
+
+use crate::backend::{Backend, Batch, Tally};
+use crate::error::Result;
+use crate::estimators::radii::{area_group, shrink};
+use crate::estimators::split_paths::Glints;
+use crate::film::tile_schedule::Rest;
+use crate::film::{LAYERS, Layer};
+use crate::packed::layout::PILOT_PASS;
+use crate::packed::{PackedScene, scatter_area_points};
+use crate::plan::{Part, Plan};
+use crate::sampling::rng::sequence_seed;
+use crate::spectrum::{BLACK, Bands};
+use boundary::Interior;
+use clip::Clip;
+use maps::{AreaMap, JotonMap};
+use std::f64::consts::PI;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Area points wanted in a disc of the diffuse radius; 150 are the least that pay.
+const AREA_POINTS_PER_DISC: f64 = 250.0;
+/// Most area points.
+const AREA_POINTS_MAX: f64 = 2e6;
+
+/// Renders passes of a plan on this machine's threads.
+pub struct CpuBackend {
+    scene: Arc<PackedScene>,
+    plan: Plan,
+    /// Squared caustic radius of each pixel in the first pass; empty until it is needed.
+    caustic_base: Vec<f32>,
+    /// In which pixels trees look for emission; none until it is needed, or where no emission is traced.
+    glints: Option<Glints>,
+    /// Walls about each pixel's gather point; empty until they are needed.
+    clips: Vec<Clip>,
+    area: Option<Area>,
+    survey: Option<Survey>,
+    rest: Rest,
+}
+
+/// What is known of the diffuse surfaces' area, for a group of passes.
+struct Area {
+    /// The passes that it is for.
+    group: Range<u64>,
+    map: AreaMap,
+}
+
+/// Where discs were found to be whole.
+struct Survey {
+    /// The first pass that it is for.
+    pass: u64,
+    /// For each pixel.
+    interiors: Vec<Interior>,
+}
+
+/// The pass whose survey `pass` uses: 2, 8, 32, … The first two passes know nothing; they may be all that is rendered.
+fn survey_pass(pass: u64) -> Option<u64> {
+    (pass >= 2).then(|| 2 << ((pass / 2).ilog2() / 2 * 2))
+}
+
+/// Everything that the pixels of one pass read.
+struct Pass<'a> {
+    scene: &'a PackedScene,
+    plan: &'a Plan,
+    index: u32,
+    caustic: JotonMap,
+    diffuse: JotonMap,
+    area: Option<&'a AreaMap>,
+    caustic_base: &'a [f32],
+    /// In which pixels trees look for emission; none where no emission is traced.
+    glints: Option<&'a Glints>,
+    /// Factor on the squared caustic radius.
+    caustic_shrink: f32,
+    /// Radius of the diffuse map.
+    diffuse_radius: f32,
+    /// Where each pixel's disc is known to be whole; empty where nothing is known.
+    interiors: &'a [Interior],
+    /// Walls about each pixel's gather point; empty where no map is traced.
+    clips: &'a [Clip],
+    /// Who rests.
+    rest: &'a Rest,
+}
+
+impl CpuBackend {
+    /// A backend for a scene and its plan, on the threads of rayon's current pool.
+    pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
+        Self {
+            rest: Rest::none(scene.size),
+            scene,
+            plan,
+            caustic_base: Vec::new(),
+            glints: None,
+            clips: Vec::new(),
+            area: None,
+            survey: None,
+        }
+    }
+
+    /// Area points for the group of passes that `pass` belongs to. They depend on the group alone, not on what was
+    /// rendered before.
+    fn refresh_area(&mut self, pass: u64) {
+        let group = area_group(pass);
+        if !self.plan.traces(Layer::Diffuse) || self.area.as_ref().is_some_and(|a| a.group == group) {
+            return;
+        }
+        let (scene, plan) = (&self.scene, &self.plan);
+        // dense enough for the smallest radius of the group
+        let radius = plan.diffuse.radius(group.end - 1);
+        let count = AREA_POINTS_PER_DISC * scene.diffuse_area / (PI * radius * radius);
+        let seed = sequence_seed(plan.settings.seed, group.start as u32, streams::STREAM_AREA);
+        let (points, area_each) =
+            scatter_area_points(scene, count.min(AREA_POINTS_MAX).ceil() as usize, seed);
+        self.area = Some(Area { group, map: AreaMap::new(&points, area_each) });
+    }
+
+    /// Survey where discs are whole, for `pass` and those after it, where that pays: it costs as much as the fits of a
+    /// pass. Radii only shrink: what is whole stays whole.
+    fn refresh_survey(&mut self, pass: u64) {
+        let wanted = survey_pass(pass);
+        if !self.plan.traces(Layer::Diffuse) || self.survey.as_ref().map(|s| s.pass) == wanted {
+            return;
+        }
+        self.survey = None;
+        if let Some(first) = wanted {
+            self.refresh_area(first);
+            let radius = self.plan.diffuse.radius(first) as f32;
+            self.survey = self.area.as_ref().map(|area| Survey {
+                pass: first,
+                interiors: pixels::interiors(&self.scene, &self.plan, first as u32, &area.map, radius),
+            });
+        }
+    }
+
+    /// Choose the caustic radii and find the walls about each pixel's gather point of the pilot pass, once.
+    fn look_around(&mut self) {
+        let traces_caustic = self.plan.traces(Layer::Caustic);
+        if !self.clips.is_empty() || !(traces_caustic || self.plan.traces(Layer::Diffuse)) {
+            return;
+        }
+        // mirrors have no area points; and --paths must not change what is found
+        let by_area = !self.plan.has_specular_bodies();
+        if by_area {
+            // with the area points of the first passes, whatever is rendered first
+            self.refresh_area(0);
+        }
+        let (scene, plan) = (&self.scene, &self.plan);
+        let map = traces_caustic
+            .then(|| JotonMap::new(trace::jotons(scene, plan, PILOT_PASS, true, &mut Tally::default())));
+        let area = self.area.as_ref().filter(|_| by_area).map(|a| &a.map);
+        let (found, clips) = pixels::look_around(scene, plan, PILOT_PASS, map.as_ref(), area);
+        self.clips = clips;
+        if traces_caustic {
+            self.caustic_base = pixels::caustic_base(scene, plan, &found);
+        }
+    }
+
+    fn pass(&mut self, pass: u64, layers: &mut [Vec<Bands>; LAYERS], tally: &mut Tally) {
+        self.refresh_survey(pass);
+        self.refresh_area(pass);
+        let (scene, plan) = (&*self.scene, &self.plan);
+        let index = pass as u32;
+        let mut map = |layer: Layer| {
+            if !plan.traces(layer) {
+                return JotonMap::default();
+            }
+            JotonMap::new(trace::jotons(scene, plan, index, layer == Layer::Caustic, tally))
+        };
+        let (caustic, diffuse) = (map(Layer::Caustic), map(Layer::Diffuse));
+        let diffuse_radius = plan.diffuse.radius(pass) as f32;
+        let pass = Pass {
+            scene,
+            plan,
+            index,
+            caustic,
+            diffuse,
+            area: self.area.as_ref().map(|a| &a.map),
+            caustic_base: &self.caustic_base,
+            glints: self.glints.as_ref(),
+            caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
+            diffuse_radius,
+            clips: &self.clips,
+            rest: &self.rest,
+            interiors: self.survey.as_ref().map_or(&[][..], |s| &s.interiors[..]),
+        };
+        *tally += pixels::render(&pass, layers);
+    }
+}
+
+impl Backend for CpuBackend {
+    fn describe(&self) -> String {
+        format!("CPU, {} threads", rayon::current_num_threads())
+    }
+
+    fn blur(&self, pass: u64) -> f64 {
+        self.plan.blur(pass)
+    }
+
+    fn traces(&self, layer: Layer) -> bool {
+        self.plan.traces(layer)
+    }
+
+    fn rest(&mut self, rest: &Rest) -> bool {
+        self.rest = rest.clone();
+        !self.plan.settings.keeps(Part::Rest)
+    }
+
+    fn glints(&self) -> Option<&Glints> {
+        self.glints.as_ref()
+    }
+
+    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+        self.glints = Some(glints);
+        Ok(())
+    }
+
+    fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+        let mut tally = Tally::default();
+        if self.plan.traces(Layer::Emission) && self.glints.is_none() {
+            let looks = glint::look(&self.scene, self.plan.settings.seed, PILOT_PASS);
+            self.glints = Some(Glints::mark(self.scene.size, &looks, &self.plan.lamp_images));
+        }
+        self.look_around();
+        let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
+        for pass in first..first + u64::from(count) {
+            self.pass(pass, &mut layers, &mut tally);
+            tally.pixels_rested += self.rest.pixels_resting(pass);
+        }
+        Ok(Batch { layers, tally })
+    }
+}

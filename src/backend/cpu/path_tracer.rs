@@ -1,0 +1,253 @@
+//! The plain path tracer: unidirectional, next-event estimation with MIS, Russian roulette and no other cut.
+//!
+//! Every class of path, caustics included (found by chance). Slow where a path tracer is slow, and unbiased: ground
+//! truth for the maps. Paths are classed and filtered by their events in light order.
+
+use super::eye::camera_ray;
+use super::streams::DIMENSION_PATH;
+use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
+use crate::error::Result;
+use crate::film::paths::{Event, LightPaths};
+use crate::film::{LAYERS, Layer};
+use crate::optics::lights::sample::{pdf_light, sample_light};
+use crate::optics::ray::{Ray, Surface, lift, visible};
+use crate::optics::shading::bsdf::{
+    Boundary, eval_d, eval_narrow, pdf_d, reflectance_d, sample_d, sample_mirror,
+};
+use crate::packed::layout::SURVIVAL_MAX;
+use crate::packed::{CameraRay, PackedScene};
+use crate::plan::Plan;
+use crate::sampling::rng::random4;
+use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Events before Russian roulette starts.
+const CERTAIN_EVENTS: usize = 4;
+
+/// Renders passes of one path a pixel.
+pub struct PathTracer {
+    scene: Arc<PackedScene>,
+    plan: Plan,
+}
+
+impl PathTracer {
+    /// A path tracer of a scene; of the plan it reads seed, paths and the layers that can hold light.
+    pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
+        Self { scene, plan }
+    }
+}
+
+impl Backend for PathTracer {
+    fn describe(&self) -> String {
+        format!("CPU path tracer, {} threads", rayon::current_num_threads())
+    }
+
+    fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+        let width = self.scene.size[0];
+        let rows: Vec<(Vec<[Bands; LAYERS]>, Tally)> = (0..self.scene.size[1])
+            .into_par_iter()
+            .map(|y| {
+                let mut tally = Tally::default();
+                let row = (0..width)
+                    .map(|x| {
+                        let mut sum = [BLACK; LAYERS];
+                        for pass in first..first + u64::from(count) {
+                            let path = Path::new(&self.scene, &self.plan, y * width + x, pass as u32);
+                            let (layers, rays, non_finite) = path.trace();
+                            tally.rays += rays;
+                            tally.non_finite += non_finite;
+                            for (s, l) in sum.iter_mut().zip(layers) {
+                                *s = add(s, &l);
+                            }
+                        }
+                        sum
+                    })
+                    .collect();
+                (row, tally)
+            })
+            .collect();
+        let mut tally = Tally::default();
+        let mut layers: [Vec<Bands>; LAYERS] =
+            std::array::from_fn(|_| Vec::with_capacity(self.scene.pixels()));
+        for (row, counts) in rows {
+            tally += counts;
+            for pixel in row {
+                layers.iter_mut().zip(pixel).for_each(|(layer, radiance)| layer.push(radiance));
+            }
+        }
+        Ok(Batch { layers, tally })
+    }
+}
+
+/// Which lobes a shadow ray looks at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lobe {
+    /// The D lobes.
+    Matte,
+    /// The one that is followed.
+    Narrow,
+}
+
+struct Path<'a> {
+    scene: &'a PackedScene,
+    plan: &'a Plan,
+    pixel: u32,
+    pass: u32,
+    /// Events so far, from the eye.
+    events: Vec<Event>,
+    layers: [Bands; LAYERS],
+    rays: u64,
+    non_finite: NonFinite,
+}
+
+impl<'a> Path<'a> {
+    fn new(scene: &'a PackedScene, plan: &'a Plan, pixel: u32, pass: u32) -> Self {
+        Self {
+            scene,
+            plan,
+            pixel,
+            pass,
+            events: Vec::new(),
+            layers: [BLACK; LAYERS],
+            rays: 0,
+            non_finite: NonFinite::default(),
+        }
+    }
+
+    fn random(&self, draw: u32) -> [f32; 4] {
+        let dimension = DIMENSION_PATH + 4 * self.events.len() as u32 + draw;
+        random4(self.plan.settings.seed, self.pass, self.pixel, dimension)
+    }
+
+    /// Light found at the end of the events so far: to the layer of its class, if its path is wanted.
+    fn found(&mut self, radiance: &Bands) {
+        let light_order = || self.events.iter().rev();
+        let paths = &self.plan.settings.paths;
+        let state = light_order().fold(LightPaths::START, |q, &e| paths.step(q, e));
+        if paths.accept_mask_after_specular(0) >> state & 1 == 0 {
+            return;
+        }
+        let bounces = self.events.iter().filter(|&&e| e == Event::D).count();
+        let layer = match (bounces, light_order().next()) {
+            (0, _) => Layer::Emission,
+            (1, Some(Event::D)) => Layer::Direct,
+            (1, _) => Layer::Caustic,
+            _ => Layer::Diffuse,
+        };
+        if radiance.iter().any(|x| !x.is_finite()) {
+            self.non_finite.count(Cause::Path);
+            return;
+        }
+        let sum = &mut self.layers[layer as usize];
+        *sum = add(sum, radiance);
+    }
+
+    /// The radiance of one path, by layer; rays; contributions left out.
+    fn trace(mut self) -> ([Bands; LAYERS], u64, NonFinite) {
+        self.walk();
+        (self.layers, self.rays, self.non_finite)
+    }
+
+    fn walk(&mut self) {
+        let scene = self.scene;
+        let CameraRay { origin, direction, .. } =
+            camera_ray(scene, self.plan.settings.seed, self.pixel, self.pass);
+        let mut ray = Ray::new(origin, direction);
+        let mut throughput = [1.0; crate::spectrum::BANDS];
+        // throughput without the (η_i/η_t)² of crossings: leaving a body must not look like a gain
+        let mut eta_squared = 1.0;
+        // pdf_solid_angle of the last D event; None where no shadow ray competes
+        let mut pdf_last: Option<f32> = None;
+        loop {
+            self.rays += 1;
+            let Some(s) = Surface::hit(scene, &ray) else { return };
+            if s.front && s.flags().is_emissive() {
+                let weight = pdf_last.map_or(1.0, |pdf| pdf / (pdf + pdf_light(&scene.emitters, &s)));
+                self.found(&scale(&mul(&throughput, &s.material.emission), weight));
+            }
+            let [u_way, u0, u1, u_lobe] = self.random(0);
+            let direction = if s.flags().is_dielectric() {
+                let b = Boundary::at(&s);
+                let p = b.fresnel;
+                self.events.push(Event::S);
+                pdf_last = None;
+                if u_way < p {
+                    throughput = mul(&throughput, &s.material.specular);
+                    b.reflected
+                } else {
+                    let radiance_scale = b.eta_i_over_t * b.eta_i_over_t;
+                    eta_squared *= radiance_scale;
+                    throughput = scale(&mul(&throughput, &s.material.transmission), radiance_scale);
+                    b.refracted
+                }
+            } else {
+                let d = max(&mul(&throughput, &reflectance_d(s.material)));
+                let m = max(&mul(&throughput, &s.material.specular));
+                if d + m <= 0.0 {
+                    return;
+                }
+                let p_d = d / (d + m);
+                if u_way < p_d {
+                    throughput = scale(&throughput, 1.0 / p_d);
+                    let [_, l0, l1, _] = self.random(1);
+                    self.events.push(Event::D);
+                    self.next_event(&s, &throughput, [l0, l1], Lobe::Matte);
+                    let Some(wi) = sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]) else { return };
+                    if wi.dot(s.ng) <= 0.0 {
+                        return;
+                    }
+                    let pdf = pdf_d(s.material, wi, s.back, s.ns);
+                    let f = eval_d(s.material, wi, s.back, s.ns);
+                    throughput = scale(&mul(&throughput, &f), wi.dot(s.ns) / pdf);
+                    pdf_last = Some(pdf);
+                    wi
+                } else {
+                    let throughput_in = scale(&throughput, 1.0 / (1.0 - p_d));
+                    throughput = mul(&throughput_in, &s.material.specular);
+                    // where nothing else of the path is D the lobe is: what it sends on to a D is a caustic
+                    if s.material.has_narrow_lobe() && !self.events.contains(&Event::D) {
+                        let [_, l0, l1, _] = self.random(1);
+                        self.events.push(Event::D);
+                        self.next_event(&s, &throughput_in, [l0, l1], Lobe::Narrow);
+                        self.events.pop();
+                    }
+                    self.events.push(Event::S);
+                    pdf_last = None;
+                    let Some(wi) = sample_mirror(&s, [u0, u1]) else { return };
+                    wi
+                }
+            };
+            if self.events.len() > CERTAIN_EVENTS {
+                let survival = (max(&throughput) / eta_squared).clamp(0.0, SURVIVAL_MAX);
+                if self.random(2)[0] >= survival {
+                    return;
+                }
+                throughput = scale(&throughput, 1.0 / survival);
+            }
+            ray = s.leave(direction);
+        }
+    }
+
+    /// A shadow ray to an emitter; in a narrow lobe, which is followed, too, only to those without area.
+    fn next_event(&mut self, s: &Surface, throughput: &Bands, u: [f32; 2], lobe: Lobe) {
+        let origin = lift(s.position, s.ng, s.triangle);
+        let Some(l) = sample_light(&self.scene.emitters, origin, u) else { return };
+        let cos_s = l.wi.dot(s.ns);
+        let is_met = lobe == Lobe::Narrow && l.pdf > 0.0;
+        if is_met || cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
+            return;
+        }
+        self.rays += 1;
+        if !visible(self.scene, origin, l.target) {
+            return;
+        }
+        let pdf = pdf_d(s.material, l.wi, s.back, s.ns);
+        let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + pdf) } else { 1.0 };
+        let f = match lobe {
+            Lobe::Matte => eval_d(s.material, l.wi, s.back, s.ns),
+            Lobe::Narrow => eval_narrow(s.material, l.wi, s.back, s.ns),
+        };
+        self.found(&scale(&mul(&mul(throughput, &f), &l.irradiance), cos_s * weight));
+    }
+}

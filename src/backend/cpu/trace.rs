@@ -1,0 +1,213 @@
+//! Trace: jotons from their emitters through the scene, stored where a map needs them.
+//!
+//! Caustic jotons follow a pure S chain; each D-capable surface on it gets one (class L S+ D). Diffuse jotons play
+//! full Russian roulette and are stored after their first D event. Flux is stored as it arrives, before the surface's
+//! reflectance, times |wi·Ns|/|wi·Ng|: the gather needs no cosine.
+
+use super::maps::Joton;
+use super::streams::*;
+use crate::backend::{Cause, Tally};
+use crate::film::paths::{DEAD, Event, LightPaths};
+use crate::optics::lights::emit::{Start, aimed, by_law};
+use crate::optics::ray::{Ray, Surface};
+use crate::optics::shading::bsdf::{Boundary, eval_d, pdf_d, sample_d, specular_direction};
+use crate::optics::shading::roulette::Odds;
+use crate::packed::PackedScene;
+use crate::packed::layout::UNSEEN_STORED;
+use crate::plan::Plan;
+use crate::sampling::rng::{random4, sequence2};
+use crate::spectrum::{BANDS, Bands, max, mul, scale};
+use rayon::prelude::*;
+
+/// Most that shading normals may change a joton's flux at one event; Veach's factor is unbounded at grazing angles.
+const ADJOINT_MAX: f32 = 8.0;
+/// Jotons that one task traces: enough to hide the scheduling, few enough to balance it.
+const BLOCK: u32 = 2048;
+
+/// Jotons of one map of one pass, in the order of their numbers, whatever the threads did.
+pub(super) fn jotons(
+    scene: &PackedScene,
+    plan: &Plan,
+    pass: u32,
+    caustic: bool,
+    tally: &mut Tally,
+) -> Vec<Joton> {
+    let count = if caustic { plan.caustic_jotons } else { plan.diffuse_jotons };
+    let blocks: Vec<(Vec<Joton>, Tally)> = (0..count.div_ceil(BLOCK))
+        .into_par_iter()
+        .map(|block| {
+            let mut tracer = Tracer { scene, plan, pass, stored: Vec::new(), tally: Tally::default() };
+            for i in block * BLOCK..((block + 1) * BLOCK).min(count) {
+                if caustic { tracer.caustic(i, count) } else { tracer.diffuse(i, count) }
+            }
+            (tracer.stored, tracer.tally)
+        })
+        .collect();
+    let mut all = Vec::with_capacity(blocks.iter().map(|b| b.0.len()).sum());
+    for (stored, counts) in blocks {
+        all.extend_from_slice(&stored);
+        *tally += counts;
+    }
+    tally.jotons_emitted += u64::from(count);
+    tally.jotons_stored += all.len() as u64;
+    all
+}
+
+struct Tracer<'a> {
+    scene: &'a PackedScene,
+    plan: &'a Plan,
+    pass: u32,
+    stored: Vec<Joton>,
+    tally: Tally,
+}
+
+impl Tracer<'_> {
+    fn sobol(&self, i: u32, count: u32, stream: u32) -> [f32; 2] {
+        let index = u64::from(self.pass) * u64::from(count) + u64::from(i);
+        sequence2(index, self.plan.settings.seed, 0, stream)
+    }
+
+    /// A joton of class L S+ D.
+    fn caustic(&mut self, i: u32, count: u32) {
+        let place = self.sobol(i, count, STREAM_CAUSTIC_PLACE);
+        let towards = self.sobol(i, count, STREAM_CAUSTIC_DIRECTION);
+        let Some(start) = aimed(self.scene, &self.plan.guides.caustic, place, towards, count as f32) else {
+            return;
+        };
+        self.follow::<true>(i, start, DIMENSION_CAUSTIC);
+    }
+
+    /// A joton of class L S* D (D|S)* D.
+    fn diffuse(&mut self, i: u32, count: u32) {
+        let place = self.sobol(i, count, STREAM_DIFFUSE_PLACE);
+        let towards = self.sobol(i, count, STREAM_DIFFUSE_DIRECTION);
+        let start = by_law(self.scene, &self.plan.guides.diffuse, place, towards, count as f32);
+        add_flux(&mut self.tally.emitted, &start.flux, 1.0);
+        self.follow::<false>(i, start, DIMENSION_DIFFUSE);
+    }
+
+    fn follow<const CAUSTIC: bool>(&mut self, i: u32, start: Start, dimension: u32) {
+        let paths = &self.plan.settings.paths;
+        let (mut ray, mut flux) = (Ray::new(start.origin, start.direction), start.flux);
+        let mut state = LightPaths::START;
+        let (mut specular, mut diffuse) = (0u32, 0u32);
+        for event in 0..EVENTS_MAX {
+            if max(&flux) <= 0.0 {
+                return;
+            }
+            self.tally.rays += 1;
+            let Some(s) = Surface::hit(self.scene, &ray) else {
+                if !CAUSTIC {
+                    add_flux(&mut self.tally.escaped, &flux, 1.0);
+                }
+                return;
+            };
+            let wi_ng = s.back.dot(s.ng);
+            let adjoint_in = if s.smooth { limited(s.back.dot(s.ns).abs() / wi_ng) } else { 1.0 };
+            if s.flags().has_diffuse() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
+                let counts_as = if CAUSTIC { 1.0 } else { self.counts_as(&s, i, event) };
+                if counts_as > 0.0 {
+                    self.store(&s, &scale(&flux, adjoint_in * counts_as), paths.step(state, Event::D));
+                }
+            }
+            let [u_way, u0, u1, u_lobe] = random4(self.plan.settings.seed, self.pass, i, dimension + event);
+            let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
+            let odds = Odds::new(&s, boundary.as_ref(), &flux, event);
+            if !CAUSTIC {
+                let lost =
+                    odds.ways.iter().fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
+                add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
+            }
+            let Some(way) = odds.choose(u_way) else { return };
+            if CAUSTIC && way == 0 {
+                return;
+            }
+            let (reflectance, probability) = odds.ways[way];
+            let kept = scale(&mul(&flux, &reflectance), 1.0 / probability);
+            let leaving = match way {
+                0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
+                _ => specular_direction(&s, boundary.as_ref(), way == 2, [u0, u1]),
+            };
+            flux = match leaving {
+                Some(w) if way == 0 => self.scatter(&s, w, &scale(&flux, adjoint_in / probability)),
+                Some(w) if s.smooth => scale(&kept, specular_adjoint(&s, w)),
+                Some(_) => kept,
+                None => [0.0; BANDS],
+            };
+            if !CAUSTIC {
+                // what the sampled direction did not carry on was absorbed: keeps the balance exact in expectation
+                add_flux(&mut self.tally.absorbed, &kept, 1.0);
+                add_flux(&mut self.tally.absorbed, &flux, -1.0);
+            }
+            let Some(w) = leaving else { return };
+            if way == 0 {
+                diffuse += 1;
+                state = paths.step(state, Event::D);
+            } else {
+                specular += 1;
+                state = paths.step(state, Event::S);
+            }
+            if state == DEAD && CAUSTIC {
+                return;
+            }
+            ray = s.leave(w);
+        }
+        self.tally.truncated += 1;
+    }
+
+    /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E11].
+    fn scatter(&self, s: &Surface, w: glam::Vec3, flux: &Bands) -> Bands {
+        let cos_ng = w.dot(s.ng);
+        if cos_ng <= 0.0 {
+            return [0.0; BANDS];
+        }
+        let cos_ns = w.dot(s.ns);
+        let adjoint_out = if s.smooth { limited(cos_ng / cos_ns) } else { 1.0 };
+        if !s.flags().has_glossy() {
+            return scale(&mul(flux, &s.material.diffuse), adjoint_out);
+        }
+        let pdf = pdf_d(s.material, w, s.back, s.ns);
+        scale(&mul(flux, &eval_d(s.material, w, s.back, s.ns)), adjoint_out * cos_ns / pdf)
+    }
+
+    /// How many jotons this one of the diffuse map stands for; 0 where another stands for it. Where the camera does not look one
+    /// of a few is stored [E23].
+    fn counts_as(&mut self, s: &Surface, i: u32, event: u32) -> f32 {
+        if self.plan.marks.as_ref().is_none_or(|marks| marks.holds(s.position)) {
+            return 1.0;
+        }
+        let [u, ..] = random4(self.plan.settings.seed, self.pass, i, DIMENSION_UNSEEN + event);
+        if u * (UNSEEN_STORED as f32) < 1.0 {
+            return UNSEEN_STORED as f32;
+        }
+        self.tally.jotons_not_stored += 1;
+        0.0
+    }
+
+    fn store(&mut self, s: &Surface, flux: &Bands, state: u32) {
+        if state == DEAD {
+            return;
+        }
+        if flux.iter().any(|x| !x.is_finite()) {
+            self.tally.non_finite.count(Cause::Joton);
+            return;
+        }
+        self.stored.push(Joton { position: s.position, wi: s.back, flux: *flux, normal: s.ng, state });
+    }
+}
+
+/// Veach's factor for an S event [E11]: the same as for a D event, so that jotons see the surface that the eye sees.
+fn specular_adjoint(s: &Surface, w: glam::Vec3) -> f32 {
+    let n = s.specular_normal();
+    limited((s.back.dot(n) * w.dot(s.ng) / (s.back.dot(s.ng) * w.dot(n))).abs())
+}
+
+fn limited(factor: f32) -> f32 {
+    if factor.is_finite() { factor.min(ADJOINT_MAX) } else { 1.0 }
+}
+
+fn add_flux(sum: &mut [f64; BANDS], flux: &Bands, sign: f64) {
+    for b in 0..BANDS {
+        sum[b] += sign * f64::from(flux[b]);
+    }
+}

@@ -1,0 +1,251 @@
+//! Context: the adapters of this machine and an open device.
+
+use crate::backend::guarded;
+use crate::error::{Error, Result};
+use crate::plan::map_layout::DeviceLimits;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+
+/// An open device with its queue, and the first error that nobody caught.
+pub struct Context {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// What the driver says of itself.
+    pub info: wgpu::AdapterInfo,
+    /// What it allows.
+    pub limits: wgpu::Limits,
+    /// Where it was opened.
+    pub(super) adapter: wgpu::Adapter,
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+/// Adapters that can run the kernels: Vulkan, Metal and DX12.
+pub fn adapters() -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    let instance = wgpu::Instance::new(descriptor);
+    let mut adapters: Vec<wgpu::Adapter> =
+        pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    adapters.sort_by_key(|a| rank(a.get_info().device_type));
+    adapters
+}
+
+/// Real GPUs first, software devices last.
+fn rank(kind: wgpu::DeviceType) -> u32 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+impl Context {
+    /// Open the best adapter, or the best one whose name contains `name` (any case).
+    ///
+    /// # Errors
+    /// [`Error::Device`] where there is none or it does not open.
+    pub fn open(name: Option<&str>) -> Result<Self> {
+        let all = adapters();
+        let wanted = |a: &&wgpu::Adapter| {
+            name.is_none_or(|n| a.get_info().name.to_lowercase().contains(&n.to_lowercase()))
+        };
+        let Some(adapter) = all.iter().find(wanted) else {
+            let names: Vec<String> = all.iter().map(|a| a.get_info().name).collect();
+            return Err(match name {
+                Some(n) => Error::device(
+                    format!("no device is called {n:?}"),
+                    format!("choose one of: {}", [&names[..], &["cpu".into()]].concat().join(", ")),
+                ),
+                None => Error::device(
+                    "no Vulkan, Metal or DX12 device was found",
+                    "install a driver (on Debian: apt-get install mesa-vulkan-drivers libvulkan1) or use --device cpu",
+                ),
+            });
+        };
+        Self::from_adapter(adapter)
+    }
+
+    /// Open an adapter with the limits that it offers.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where it does not open or offers less than the kernels need.
+    pub fn from_adapter(adapter: &wgpu::Adapter) -> Result<Self> {
+        let info = adapter.get_info();
+        let limits = adapter.limits();
+        if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+            return Err(Error::device(
+                format!(
+                    "{} offers {} storage buffers a kernel, {STORAGE_BUFFERS} are needed",
+                    info.name, limits.max_storage_buffers_per_shader_stage
+                ),
+                "use --device cpu",
+            ));
+        }
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("joton"),
+            required_features: adapter.features()
+                & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::SUBGROUP),
+            required_limits: limits.clone(),
+            experimental_features: wgpu::ExperimentalFeatures::disabled(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            trace: wgpu::Trace::Off,
+        }))
+        .map_err(|e| Error::device(format!("{} does not open: {e}", info.name), "use --device cpu"))?;
+        let failure = Arc::new(Mutex::new(None));
+        let keep = Arc::clone(&failure);
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+            if let Ok(mut first) = keep.lock() {
+                first.get_or_insert_with(|| e.to_string());
+            }
+        }));
+        // a lost device is no error to wgpu: calls do nothing from then on, or fail by what is missing
+        let keep = Arc::clone(&failure);
+        device.set_device_lost_callback(move |_, words| {
+            if let Ok(mut first) = keep.lock() {
+                let why = if words.is_empty() { words } else { format!(": {words}") };
+                *first = Some(format!("the device is lost{why}"));
+            }
+        });
+        Ok(Self { device, queue, info, limits, adapter: adapter.clone(), failure })
+    }
+
+    /// True for a device that runs on the host's processor (lavapipe, SwiftShader).
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// What sizes follow from.
+    pub fn machine(&self) -> DeviceLimits {
+        DeviceLimits {
+            is_software: self.is_software(),
+            storage_binding: self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size),
+            uniform_binding: self.limits.max_uniform_buffer_binding_size,
+            storage_buffers: self.limits.max_storage_buffers_per_shader_stage,
+        }
+    }
+
+    /// True where kernels may use subgroup operations.
+    pub fn has_subgroups(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SUBGROUP)
+    }
+
+    /// The first error since the last call, if any.
+    ///
+    /// # Errors
+    /// [`Error::Device`] with the driver's or wgpu's words.
+    pub fn check(&self) -> Result<()> {
+        match self.failure.lock().ok().and_then(|mut f| f.take()) {
+            Some(what) => {
+                let what = what.split_whitespace().collect::<Vec<_>>().join(" ");
+                Err(Error::device(format!("{}: {what}", self.info.name), "try --device cpu"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Wait until everything submitted is done.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the device was lost.
+    pub fn wait(&self) -> Result<()> {
+        let stopped = |what: &dyn std::fmt::Display| {
+            Error::device(format!("{} stopped answering: {what}", self.info.name), "try --device cpu")
+        };
+        // wgpu panics where it learns while it waits that the device is lost
+        let polled = guarded(|| self.device.poll(wgpu::PollType::wait_indefinitely()));
+        self.check()?;
+        match polled {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(e)) => Err(stopped(&e)),
+            Err(words) => Err(stopped(&words)),
+        }
+    }
+
+    /// Contents of buffers, through one staging buffer that is kept from call to call.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the copy fails.
+    pub fn read(
+        &self,
+        staging: &mut Option<wgpu::Buffer>,
+        sources: &[&wgpu::Buffer],
+    ) -> Result<Vec<Vec<u8>>> {
+        let whole: Vec<_> = sources.iter().map(|b| (*b, 0..b.size())).collect();
+        self.read_parts(staging, &whole)
+    }
+
+    /// Likewise of these bytes of each.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the copy fails.
+    pub fn read_parts(
+        &self,
+        staging: &mut Option<wgpu::Buffer>,
+        sources: &[(&wgpu::Buffer, Range<u64>)],
+    ) -> Result<Vec<Vec<u8>>> {
+        let mut out = Vec::with_capacity(sources.len());
+        self.look_at(staging, sources, |_, bytes| out.push(bytes.to_vec()))?;
+        Ok(out)
+    }
+
+    /// Likewise, and show `see` the number and the bytes of each source, without a copy.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the copy fails.
+    pub fn look_at(
+        &self,
+        staging: &mut Option<wgpu::Buffer>,
+        sources: &[(&wgpu::Buffer, Range<u64>)],
+        mut see: impl FnMut(usize, &[u8]),
+    ) -> Result<()> {
+        let length = |bytes: &Range<u64>| bytes.end - bytes.start;
+        let total: u64 = sources.iter().map(|(_, bytes)| length(bytes)).sum();
+        if staging.as_ref().is_none_or(|s| s.size() < total) {
+            *staging = Some(self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("staging"),
+                size: total,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+        }
+        let Some(staging) = staging else { return Ok(()) };
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut at = 0;
+        for (source, bytes) in sources {
+            encoder.copy_buffer_to_buffer(source, bytes.start, staging, at, length(bytes));
+            at += length(bytes);
+        }
+        self.queue.submit([encoder.finish()]);
+        let (sender, receiver) = futures_intrusive::channel::shared::oneshot_channel();
+        staging.map_async(wgpu::MapMode::Read, ..total, move |result| {
+            sender.send(result).ok();
+        });
+        self.wait()?;
+        let failed = |what: String| Error::device(format!("{}: {what}", self.info.name), "try --device cpu");
+        match pollster::block_on(receiver.receive()) {
+            Some(Ok(())) => {}
+            Some(Err(e)) => return Err(failed(format!("reading back failed: {e}"))),
+            None => return Err(failed("reading back was dropped".into())),
+        }
+        {
+            let mapped =
+                staging.get_mapped_range(..total).map_err(|e| failed(format!("mapping failed: {e}")))?;
+            let mut at = 0;
+            for (i, (_, bytes)) in sources.iter().enumerate() {
+                let size = length(bytes) as usize;
+                see(i, &mapped[at..at + size]);
+                at += size;
+            }
+        }
+        staging.unmap();
+        Ok(())
+    }
+}
+
+/// Storage buffers in the kernel that has most of them: WebGPU's default.
+const STORAGE_BUFFERS: u32 = 8;

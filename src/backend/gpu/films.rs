@@ -1,0 +1,73 @@
+//! Films on the device: which of them and of their rows a batch clears, and what is read back of them.
+
+use super::GpuBackend;
+use crate::backend::{Cause, NonFinite};
+use crate::film::{LAYERS, Layer};
+use crate::plan::buffers::{FILM_PIXEL, FILMS};
+use crate::spectrum::{BANDS, Bands};
+use std::ops::Range;
+
+impl GpuBackend {
+    /// The films that are traced and their bytes of these rows; none where there are no rows. Strips take turns on theirs.
+    pub(super) fn film_parts(&self, rows: &Range<usize>) -> Vec<(&wgpu::Buffer, Range<u64>)> {
+        if rows.is_empty() || self.strips.count() > 1 {
+            return Vec::new();
+        }
+        self.parts_of_films(rows)
+    }
+
+    /// The films that are traced and their bytes of these rows of the buffers.
+    pub(super) fn parts_of_films(&self, rows: &Range<usize>) -> Vec<(&wgpu::Buffer, Range<u64>)> {
+        let row_bytes = u64::from(self.scene.size[0]) * FILM_PIXEL;
+        let bytes = rows.start as u64 * row_bytes..rows.end as u64 * row_bytes;
+        self.traced_films().map(|(_, name)| (&self.buffers[name], bytes.clone())).collect()
+    }
+
+    /// The layers that are traced, and their films.
+    pub(super) fn traced_films(&self) -> impl Iterator<Item = (Layer, &'static str)> {
+        Layer::ALL.into_iter().zip(FILMS).filter(|(layer, _)| self.plan.traces(*layer))
+    }
+
+    /// Clear what a batch writes; of the films these rows.
+    pub(super) fn clear_films(&mut self, rows: &Range<usize>) {
+        let mut encoder =
+            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for name in ["status", "tallies_caustic", "tallies_diffuse"] {
+            encoder.clear_buffer(&self.buffers[name], 0, None);
+        }
+        for (film, bytes) in self.film_parts(rows) {
+            encoder.clear_buffer(film, bytes.start, Some(bytes.end - bytes.start));
+        }
+        self.context.queue.submit([encoder.finish()]);
+        if self.strips.count() > 1 {
+            self.strip_films = None;
+        }
+    }
+}
+
+/// Black layers. Zeros that are never touched take no memory.
+pub(super) fn black(pixels: usize) -> [Vec<Bands>; LAYERS] {
+    std::array::from_fn(|_| vec![[0.0; BANDS]; pixels])
+}
+
+/// Put into an image what was read of a film. Black pixels are left alone.
+pub(super) fn put(pixels: &mut [Bands], bytes: &[u8]) {
+    for (bands, p) in pixels.iter_mut().zip(bytes.chunks_exact(FILM_PIXEL as usize)) {
+        let p: [f32; 4] = bytemuck::pod_read_unaligned(p);
+        let found: Bands = std::array::from_fn(|b| p[b]);
+        if found.map(f32::to_bits) != bands.map(f32::to_bits) {
+            *bands = found;
+        }
+    }
+}
+
+/// Black and counted where a band of a pixel is not finite (tested by bits).
+pub(super) fn keep_finite(layers: &mut [Vec<Bands>; LAYERS], non_finite: &mut NonFinite) {
+    let is_finite = |x: &f32| x.to_bits() & 0x7f80_0000 != 0x7f80_0000;
+    for bands in layers.iter_mut().flatten() {
+        if !bands.iter().all(is_finite) {
+            non_finite.count(Cause::ReadBack);
+            *bands = [0.0; BANDS];
+        }
+    }
+}

@@ -1,0 +1,432 @@
+//! The GPU backend: passes as WGSL compute kernels through wgpu.
+
+mod area;
+mod context;
+mod device_buffers;
+mod films;
+mod glints;
+#[doc(hidden)]
+pub mod harness;
+mod kernel;
+mod map;
+mod pilot;
+mod pipelines;
+mod precompile;
+mod recorder;
+mod ring;
+mod scene_buffers;
+mod shaders;
+mod strips;
+mod tiles;
+
+pub use context::{Context, adapters};
+pub use device_buffers::Buffers;
+pub use kernel::{Kernel, Step};
+pub use shaders::{SOURCES, Variant, link, link_source};
+
+use crate::backend::{Backend, Batch, Tally};
+use crate::error::{Error, Result};
+use crate::estimators::maps::MapKind;
+use crate::estimators::split_paths::Glints;
+use crate::film::tile_schedule::Rest;
+use crate::film::{LAYERS, Layer};
+use crate::packed::PackedScene;
+use crate::packed::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
+use crate::plan::buffers::{self, Buffer, BufferPlan};
+use crate::plan::map_layout::{MapLayout, MapLayouts, roomy};
+use crate::plan::strips::{Strip, Strips};
+use crate::plan::{Part, Plan};
+use crate::spectrum::{BANDS, Bands};
+use area::AreaState;
+use glints::GlintLists;
+use pipelines::{Kernels, Steps};
+use precompile::Precompiler;
+use recorder::{Recorder, Timer};
+use ring::Ring;
+use std::sync::Arc;
+use strips::Kept;
+use tiles::Tiles;
+
+/// Passes of a batch on a GPU, at most: they are summed in f32.
+const BATCH_PASSES: u64 = 16;
+/// Times that a batch is rendered with more room or smaller loops before the device is taken for broken.
+const BATCH_TRIES: u32 = 12;
+/// Dispatches of the trace kernel that are tried before the device is taken for broken.
+const DISPATCHES_MAX: u32 = 1 << 16;
+
+/// The GPU backend.
+pub struct GpuBackend {
+    context: Context,
+    scene: Arc<PackedScene>,
+    plan: Plan,
+    buffers: Buffers,
+    kernels: Kernels,
+    steps: Option<Steps>,
+    shapes: MapLayouts,
+    strips: Strips,
+    kept: Vec<Kept>,
+    /// Sums of a batch so far, where strips take turns; none before its first strip.
+    strip_films: Option<[Vec<Bands>; LAYERS]>,
+    area: Option<AreaState>,
+    tiles: Tiles,
+    glints: GlintLists,
+    ring: Ring,
+    timer: Option<Timer>,
+    staging: Option<wgpu::Buffer>,
+}
+
+impl GpuBackend {
+    /// Compile the kernels, upload the scene and run the pilot pass.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the device fails, [`Error::Capacity`] where the scene does not fit.
+    pub fn new(context: Context, scene: Arc<PackedScene>, plan: Plan) -> Result<Self> {
+        let depth = scene.bvh.depth();
+        if depth > TRAVERSAL_STACK {
+            let what = format!(
+                "the hierarchy over the triangles is {depth} levels deep, {TRAVERSAL_STACK} can be followed"
+            );
+            return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
+        }
+        let kernels = Kernels::new(&context, &scene, &plan)?;
+        let precompiler = Precompiler::start(&context, &kernels);
+        let buffers = scene_buffers::upload(&context, &scene, &plan)?;
+        let (tiles, words) = Tiles::new(Rest::none(scene.size));
+        context.queue.write_buffer(&buffers["tiles"], 0, bytemuck::cast_slice(&words));
+        let machine = context.machine();
+        let lanes = |emitted: u32| (emitted > 0).then(|| MapLayout::new(emitted, &machine));
+        let shapes = MapLayouts { caustic: lanes(plan.caustic_jotons), diffuse: lanes(plan.diffuse_jotons) };
+        // the pilot decides; its search for the lanes' shape needs no pixels
+        let strips = Strips::whole([scene.size[0], scene.size[1].min(TILE)]);
+        let ring = Ring::new(&context);
+        let mut backend = Self {
+            context,
+            scene,
+            plan,
+            buffers,
+            kernels,
+            steps: None,
+            shapes,
+            strips,
+            kept: Vec::new(),
+            strip_films: None,
+            area: None,
+            tiles,
+            glints: GlintLists::none(),
+            ring,
+            timer: None,
+            staging: None,
+        };
+        backend.run_pilot()?;
+        drop(precompiler);
+        Ok(backend)
+    }
+
+    /// Name and bytes of every buffer that is on the device, but for those of timers and what drivers keep for themselves.
+    pub fn memory(&self) -> Vec<(&'static str, u64)> {
+        let own = |(name, buffer): &(&&'static str, &wgpu::Buffer)| {
+            // where nothing was learned there is one list of lights
+            !name.starts_with("emitters_") || **buffer != self.buffers["emitters"]
+        };
+        let mut all: Vec<_> =
+            self.buffers.iter().filter(own).map(|(name, buffer)| (*name, buffer.size())).collect();
+        all.extend(self.staging.as_ref().map(|b| ("staging", b.size())));
+        all.sort_unstable();
+        all
+    }
+
+    /// (Re)create the buffers that depend on the shapes, and bind every step.
+    fn bind(&mut self) -> Result<()> {
+        let wanted = self.needs().pass_buffers();
+        let context = &self.context;
+        scene_buffers::check_capacity(context, &wanted)?;
+        for Buffer { name, bytes, .. } in wanted {
+            if self.buffers.get(name).is_none_or(|b| b.size() != bytes) {
+                self.buffers.insert(name, device_buffers::storage(context, name, bytes));
+            }
+        }
+        if !self.buffers.contains_key("area_points") {
+            let size = buffers::area_points(0, 1).bytes;
+            self.buffers.insert("area_points", device_buffers::storage(context, "area_points", size));
+        }
+        context.check()?;
+        let apart = self.needs().maps_apart();
+        self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, apart, &self.buffers)?);
+        Ok(())
+    }
+
+    /// What the sizes of the buffers follow from.
+    pub fn needs(&self) -> BufferPlan<'_> {
+        BufferPlan {
+            scene: &self.scene,
+            plan: &self.plan,
+            machine: self.context.machine(),
+            shapes: self.shapes,
+            strips: self.strips,
+        }
+    }
+
+    /// The uniform of a pass over a strip.
+    fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
+        let c = &self.scene.camera;
+        PassInfo {
+            eye: c.start,
+            width: self.scene.size[0],
+            right: c.right,
+            height: self.scene.size[1],
+            up: c.up,
+            seed: self.plan.settings.seed,
+            forward: c.forward,
+            pass_index: pass,
+            pixel_angle: self.scene.pixel_angle(),
+            shadow_rays: self.plan.settings.shadow_rays,
+            emitters: self.scene.emitters.len() as u32,
+            targets: self.scene.targets.len() as u32,
+            light_candidates: self.plan.light_candidates,
+            first_row: strip.first,
+            rows: strip.rows,
+            held_first: strip.held_first,
+            held_rows: strip.held_rows,
+            glint_first: 0,
+            glint_count: 0,
+            glint_turns: self.glints.turns(),
+            eye_ahead: c.ahead,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
+        }
+    }
+
+    /// The uniform of a map in a pass; zeros where the map is skipped.
+    fn map_info(&self, kind: MapKind, pass: u64, random_pass: u32) -> MapInfo {
+        let found = self.steps.as_ref().and_then(|s| s.maps.iter().find(|(m, _)| m.kind == kind));
+        let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
+        let schedule = if kind == MapKind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
+        let mut info = map.info(&self.scene, schedule, pass, random_pass, self.plan.jotons(kind));
+        info.marks_per_unit = self.plan.marks.as_ref().map_or(0.0, |m| m.per_unit);
+        if let (MapKind::Diffuse, Some(area)) = (kind, &self.area) {
+            info.area_each = area.each;
+            info.area_cells_per_unit = area.cells_per_unit;
+            info.area_row_mask = area.row_mask;
+            info.area_columns = area.columns;
+        }
+        info
+    }
+
+    /// Uniforms of both maps in a pass.
+    fn map_infos(&self, pass: u64) -> [MapInfo; 2] {
+        MapKind::ALL.map(|kind| self.map_info(kind, pass, pass as u32))
+    }
+
+    /// Tiles of a strip: the first so many of the list, where none rests.
+    fn tiles_of(&self, strip: Strip) -> u32 {
+        self.scene.size[0].div_ceil(TILE) * strip.rows.div_ceil(TILE)
+    }
+
+    /// Pixels of a strip.
+    fn pixels_of(&self, strip: Strip) -> u32 {
+        strip.rows * self.scene.size[0]
+    }
+
+    /// Record and submit one pass.
+    fn submit_pass(&mut self, pass: u64) -> Result<()> {
+        if self.shapes.diffuse.is_some() {
+            self.renew_area_points(pass)?;
+        }
+        if self.strips.count() > 1 {
+            return self.submit_pass_in_strips(pass);
+        }
+        let infos = self.map_infos(pass);
+        let strip = self.strips.strip(0);
+        let pass_info = self.pass_info(pass as u32, strip);
+        let Some(steps) = &self.steps else { return Ok(()) };
+        let live = self.tiles.live(pass);
+        let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
+        let at = recorder.ring.push(&pass_info);
+        steps.record_eye(&mut recorder, at, live);
+        steps.record_glints(&mut recorder, self.glints.growths(0, &(0..u32::MAX), &pass_info));
+        steps.record_direct(&mut recorder, at, live);
+        for (map, gather) in &steps.maps {
+            let info = infos[map.kind as usize];
+            recorder.clear(&self.buffers["lanes"]);
+            map.record(&mut recorder, at, &info);
+            let map_info = recorder.ring.push(&info);
+            let at = [("pass_info", at), ("map_info", map_info)];
+            steps.record_gather(&mut recorder, map.kind, gather, &at, live);
+        }
+        recorder.submit(&self.context, &self.buffers["ring"]);
+        self.collect_times()
+    }
+
+    /// Add up what the kernels of the last submission took.
+    fn collect_times(&mut self) -> Result<()> {
+        if let Some(timer) = &mut self.timer {
+            timer.collect(&self.context, &mut self.staging)?;
+        }
+        Ok(())
+    }
+
+    /// What the kernels reported of a batch: adapt and say so where it must be rendered again.
+    fn must_repeat(&mut self, words: &[u32]) -> Result<bool> {
+        check_traversal(words)?;
+        let unfinished = words[status::UNFINISHED as usize] > 0;
+        let stored = words[status::LANE_STORED_MAX as usize];
+        let cut = words[status::LOOP_CUT as usize] > 0;
+        if !unfinished && stored == 0 && !cut {
+            return Ok(false);
+        }
+        for kind in [MapKind::Caustic, MapKind::Diffuse] {
+            if let Some(shape) = self.shapes.of_mut(kind) {
+                if unfinished {
+                    shape.dispatches = (shape.dispatches * 2).min(DISPATCHES_MAX);
+                }
+                if stored > shape.lane_capacity {
+                    shape.lane_capacity = roomy(stored);
+                }
+                if cut {
+                    // the driver ended a loop early: fewer jotons a pass make shorter loops
+                    shape.emitted = (shape.emitted / 2).max(1);
+                    shape.lanes = shape.lanes.min(shape.emitted);
+                }
+            }
+        }
+        // where that is too much, the map has fewer jotons
+        while let Err(e) = self.needs().fits() {
+            let largest =
+                MapKind::ALL.into_iter().max_by_key(|k| self.shapes.of(*k).map_or(0, |s| s.max_stored()));
+            match largest.and_then(|kind| self.shapes.of_mut(kind).as_mut()) {
+                Some(shape) if shape.emitted > 1 => *shape = shape.halved(),
+                _ => return Err(e),
+            }
+        }
+        self.bind()?;
+        Ok(true)
+    }
+}
+
+impl Backend for GpuBackend {
+    fn measure_kernels(&mut self) {
+        self.timer = Timer::new(&self.context);
+    }
+
+    fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
+        let seconds = self.timer.as_ref().map(|t| t.seconds().clone()).unwrap_or_default();
+        seconds.into_iter().map(|(name, (seconds, dispatches))| (name, seconds, dispatches)).collect()
+    }
+
+    fn device_bytes(&self) -> Option<u64> {
+        Some(self.memory().iter().map(|(_, bytes)| bytes).sum())
+    }
+
+    fn describe(&self) -> String {
+        let i = &self.context.info;
+        let kind = if self.context.is_software() { "software" } else { "GPU" };
+        format!("{} ({kind}, {:?}, {} {})", i.name, i.backend, i.driver, i.driver_info)
+    }
+
+    fn batch_passes(&self, first: u64) -> u32 {
+        // software devices take long for a pass and nothing for reading it back; on a GPU it is the other way round
+        if self.context.is_software() {
+            1
+        } else {
+            (first.next_power_of_two() / 2).clamp(1, BATCH_PASSES) as u32
+        }
+    }
+
+    fn blur(&self, pass: u64) -> f64 {
+        self.plan.blur(pass)
+    }
+
+    fn traces(&self, layer: Layer) -> bool {
+        self.plan.traces(layer)
+    }
+
+    fn rest(&mut self, rest: &Rest) -> bool {
+        let (tiles, words) = Tiles::new(rest.clone());
+        self.tiles = tiles;
+        self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
+        self.strips.count() == 1 && !self.plan.settings.keeps(Part::Rest)
+    }
+
+    fn glints(&self) -> Option<&Glints> {
+        self.glints.whose()
+    }
+
+    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+        self.upload_glints(glints)
+    }
+
+    fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+        let mut tries = 0;
+        // what lies above and below is at rest
+        let rows = self.tiles.rest().rows(first, u64::from(count));
+        let (mut layers, words, tallies) = loop {
+            tries += 1;
+            if tries > BATCH_TRIES {
+                let what = format!("{}: passes {first} and on do not come out whole", self.context.info.name);
+                return Err(Error::device(what, "use --device cpu and report this as a bug of joton"));
+            }
+            self.clear_films(&rows);
+            for pass in first..first + u64::from(count) {
+                self.submit_pass(pass)?;
+            }
+            let mut staging = self.staging.take();
+            let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
+            let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
+            sources.extend(self.film_parts(&rows));
+            let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
+            let width = self.scene.size[0] as usize;
+            let mut layers = films::black(self.scene.pixels());
+            let mut counted: Vec<Vec<u8>> = Vec::new();
+            self.context.look_at(&mut staging, &sources, |i, bytes| match i.checked_sub(counts.len()) {
+                None => counted.push(bytes.to_vec()),
+                Some(film) => {
+                    films::put(&mut layers[traced[film]][rows.start * width..rows.end * width], bytes);
+                }
+            })?;
+            self.staging = staging;
+            let words: Vec<u32> = bytemuck::pod_collect_to_vec(&counted[0]);
+            if !self.must_repeat(&words)? {
+                break (self.strip_films.take().unwrap_or(layers), words, counted);
+            }
+        };
+        let mut tally = Tally::default();
+        films::keep_finite(&mut layers, &mut tally.non_finite);
+        let t = &mut tally;
+        t.rays = status::rays(&words);
+        t.shadow_rays_saved = status::shadow_rays_saved(&words);
+        t.pixels_rested =
+            (first..first + u64::from(count)).map(|p| self.tiles.rest().pixels_resting(p)).sum();
+        t.truncated = u64::from(words[status::TRUNCATED as usize]);
+        let emitted = |s: Option<MapLayout>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
+        t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);
+        for (i, bytes) in tallies[1..].iter().enumerate() {
+            let lanes: Vec<LaneTally> = bytemuck::pod_collect_to_vec(bytes);
+            for lane in &lanes {
+                t.rays += u64::from(lane.rays);
+                t.jotons_stored += u64::from(lane.stored);
+                t.jotons_not_stored += u64::from(lane.not_stored);
+                if i == MapKind::Diffuse as usize {
+                    for b in 0..BANDS {
+                        t.emitted[b] += f64::from(lane.emitted[b]);
+                        t.absorbed[b] += f64::from(lane.absorbed[b]);
+                        t.escaped[b] += f64::from(lane.escaped[b]);
+                    }
+                }
+            }
+        }
+        Ok(Batch { layers, tally })
+    }
+}
+
+/// Refuse what rays found whose loops the driver ended.
+///
+/// # Errors
+/// [`Error::Device`] where there are any.
+fn check_traversal(words: &[u32]) -> Result<()> {
+    if words[status::TRAVERSAL_CUT as usize] > 0 {
+        let what = "a ray meets more triangles than the loops of this driver can follow";
+        return Err(Error::device(what, "remove triangles that lie in one place, or use --device cpu"));
+    }
+    Ok(())
+}

@@ -1,0 +1,241 @@
+//! Pipelines: the kernels that a plan needs, compiled, and bound to their buffers.
+
+use super::context::Context;
+use super::device_buffers::Buffers;
+use super::kernel::{Kernel, Offsets, SMALL_SCENE, Step, TRIANGLES_PART};
+use super::map::{Map, MapKernels};
+use super::recorder::Recorder;
+use super::scene_buffers;
+use crate::error::Result;
+use crate::estimators::maps::MapKind;
+use crate::film::Layer;
+use crate::packed::PackedScene;
+use crate::packed::layout::{PassInfo, STEP_BUDGET, STEP_BUDGET_HARDWARE};
+use crate::plan::buffers::{is_split, triangles_part};
+use crate::plan::map_layout::MapLayouts;
+use crate::plan::{CAUSTIC_FOOTPRINTS, Part, Plan};
+
+/// The compiled kernels.
+pub(super) struct Kernels {
+    eye: Kernel,
+    glint: Option<[Kernel; 3]>,
+    direct: Option<Kernel>,
+    trace: [Option<Kernel>; 2],
+    gather: [Option<Kernel>; 2],
+    boundary: Option<Kernel>,
+    clip: Option<Kernel>,
+    caustic_count: Option<Kernel>,
+    caustic_radius: Option<Kernel>,
+    map: Option<MapKernels>,
+}
+
+impl Kernels {
+    /// Compile what the plan needs.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where a kernel does not compile.
+    pub(super) fn new(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
+        let f = &plan.features;
+        let flag = |on: bool| if on { 1.0 } else { 0.0 };
+        let mut features = vec![
+            (SMALL_SCENE, flag(scene_buffers::is_small(context, scene))),
+            ("HAS_SMOOTH", flag(f.smooth_normals)),
+            ("HAS_SPECULAR", flag(f.specular)),
+            ("HAS_DIELECTRIC", flag(f.dielectric)),
+            ("HAS_GLOSSY", flag(f.glossy)),
+            ("HAS_DELTA_LIGHTS", flag(f.delta_lights)),
+            ("HAS_CONTACTS", flag(f.contacts)),
+            ("HAS_PATH_FILTER", flag(f.path_filter)),
+            (
+                "CAMERA_STEPS",
+                f64::from(if context.is_software() { STEP_BUDGET } else { STEP_BUDGET_HARDWARE }),
+            ),
+        ];
+        if is_split(scene, &context.machine()) {
+            features.push((TRIANGLES_PART, f64::from(triangles_part(&context.machine()))));
+        }
+        let compile = |path: &str| Kernel::new(context, path, "main", &features);
+        let with = |path: &str, caustic: bool| {
+            let guide = if caustic { &plan.guides.caustic } else { &plan.guides.diffuse };
+            let has_warps = !guide.warps().is_empty() || plan.settings.keeps(Part::Warps);
+            let mut overrides = features.to_vec();
+            overrides.extend([
+                ("CAUSTIC", flag(caustic)),
+                ("HAS_WARPS", flag(has_warps)),
+                ("HAS_MARKS", flag(plan.marks.is_some())),
+            ]);
+            Kernel::new(context, path, "main", &overrides)
+        };
+        let (caustic, diffuse) = (plan.traces(Layer::Caustic), plan.traces(Layer::Diffuse));
+        let optional = |on: bool, k: &dyn Fn() -> Result<Kernel>| on.then(k).transpose();
+        let pilot = [
+            ("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])),
+            ("RADIUS_FOOTPRINTS_MIN", f64::from(CAUSTIC_FOOTPRINTS[0])),
+            ("WANTED", f64::from(plan.caustic_wanted)),
+        ];
+        Ok(Self {
+            eye: compile("eye.wgsl")?,
+            glint: if plan.traces(Layer::Emission) {
+                Some([compile("glint.wgsl")?, compile("glint_sum.wgsl")?, compile("glint_mark.wgsl")?])
+            } else {
+                None
+            },
+            direct: optional(plan.traces(Layer::Direct), &|| compile("direct.wgsl"))?,
+            trace: [
+                optional(caustic, &|| with("trace.wgsl", true))?,
+                optional(diffuse, &|| with("trace.wgsl", false))?,
+            ],
+            gather: [
+                optional(caustic, &|| with("gather.wgsl", true))?,
+                optional(diffuse, &|| with("gather.wgsl", false))?,
+            ],
+            boundary: optional(diffuse, &|| {
+                let overrides = [("SPECULAR_BODIES", flag(plan.has_specular_bodies()))];
+                Kernel::new(context, "boundary.wgsl", "main", &overrides)
+            })?,
+            clip: optional(caustic || diffuse, &|| compile("clip.wgsl"))?,
+            caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
+            caustic_radius: optional(caustic, &|| {
+                Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)
+            })?,
+            map: (caustic || diffuse).then(|| MapKernels::new(context)).transpose()?,
+        })
+    }
+
+    /// All of them, in the order in which they are first dispatched.
+    pub(super) fn in_order_of_use(&self) -> Vec<&Kernel> {
+        let [caustic, diffuse] = &self.trace;
+        let mut all: Vec<&Kernel> =
+            caustic.iter().chain(self.map.iter().flat_map(MapKernels::in_order_of_use)).collect();
+        all.extend(diffuse);
+        all.extend(self.glint.iter().flatten());
+        all.push(&self.eye);
+        all.extend(&self.caustic_count);
+        all.extend(&self.caustic_radius);
+        all.extend(&self.boundary);
+        all.extend(&self.clip);
+        all.extend(&self.direct);
+        all.extend(self.gather.iter().flatten());
+        all
+    }
+}
+/// Names of a sorted map in the kernels, and of the buffers.
+const SORTED: [(&str, &str); 2] = [("sorted_jotons", "sorted_jotons"), ("bucket_starts", "bucket_starts")];
+const SORTED_APART: [(&str, &str); 2] =
+    [("sorted_jotons", "sorted_jotons_caustic"), ("bucket_starts", "bucket_starts_caustic")];
+
+/// The trees that look for emission.
+pub(super) struct Glint {
+    pub(super) trees: Step,
+    pub(super) pilot: Step,
+    /// Adds what a pixel's trees saw.
+    pub(super) sum: Step,
+    pub(super) mark: Step,
+}
+
+/// The kernels with their buffers.
+pub(super) struct Steps {
+    pub(super) eye: Step,
+    pub(super) glint: Option<Glint>,
+    pub(super) direct: Option<Step>,
+    pub(super) boundary: Option<Step>,
+    pub(super) clip: Option<Step>,
+    pub(super) maps: Vec<(Map, Step)>,
+    pub(super) pilot: Option<[Step; 2]>,
+}
+
+impl Steps {
+    /// Bind every kernel of a pass and of the pilot; `apart` where both sorted maps are kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where a buffer is missing.
+    pub(super) fn new(
+        context: &Context,
+        kernels: &Kernels,
+        shapes: &MapLayouts,
+        apart: bool,
+        buffers: &Buffers,
+    ) -> Result<Self> {
+        // where both maps are kept, the caustic one has a place of its own
+        let sorted = |kind| if apart && kind == MapKind::Caustic { SORTED_APART } else { SORTED };
+        let mut maps = Vec::new();
+        for (kind, film, fits) in
+            [(MapKind::Caustic, "film_caustic", "radii"), (MapKind::Diffuse, "film_diffuse", "fits")]
+        {
+            let i = kind as usize;
+            if let (Some(shape), Some(trace), Some(gather), Some(map)) =
+                (shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
+            {
+                let sorted = sorted(kind);
+                let names = [&sorted[..], &[("film", film), ("fits", fits)]].concat();
+                let gather = gather.bind(context, buffers, &names)?;
+                maps.push((Map::new(context, kind, shape, trace, map, &sorted, buffers)?, gather));
+            }
+        }
+        let optional = |k: &Option<Kernel>, names: &[(&str, &'static str)]| {
+            k.as_ref().map(|k| k.bind(context, buffers, names)).transpose()
+        };
+        let pilot = match (&kernels.caustic_count, &kernels.caustic_radius) {
+            (Some(count), Some(radius)) => Some([
+                count.bind(context, buffers, &sorted(MapKind::Caustic))?,
+                radius.bind(context, buffers, &[("fits", "radii")])?,
+            ]),
+            _ => None,
+        };
+        Ok(Self {
+            eye: kernels.eye.bind(context, buffers, &[])?,
+            glint: match &kernels.glint {
+                Some([glint, sum, mark]) => Some(Glint {
+                    trees: glint.bind(context, buffers, &[("seen", "fits")])?,
+                    pilot: glint.bind(context, buffers, &[("seen", "radii")])?,
+                    sum: sum.bind(context, buffers, &[("seen", "fits")])?,
+                    mark: mark.bind(context, buffers, &[])?,
+                }),
+                None => None,
+            },
+            direct: optional(&kernels.direct, &[("emitters", "emitters_direct")])?,
+            boundary: optional(&kernels.boundary, &[])?,
+            clip: optional(&kernels.clip, &[])?,
+            maps,
+            pilot,
+        })
+    }
+
+    /// Record the gather points, and the emission that is met on the way to them.
+    pub(super) fn record_eye(&self, recorder: &mut Recorder<'_>, pass_info: u32, tiles: u32) {
+        recorder.dispatch_tiles(&self.eye, &[("pass_info", pass_info)], tiles);
+    }
+
+    /// Record the trees that look for emission.
+    pub(super) fn record_glints(&self, recorder: &mut Recorder<'_>, glints: impl Iterator<Item = PassInfo>) {
+        if let Some(Glint { trees, sum, .. }) = &self.glint {
+            for info in glints {
+                let at = [("pass_info", recorder.ring.push(&info))];
+                recorder.dispatch(trees, &at, info.glint_count);
+                recorder.dispatch(sum, &at, info.glint_count);
+            }
+        }
+    }
+
+    /// Record direct light at the gather points.
+    pub(super) fn record_direct(&self, recorder: &mut Recorder<'_>, pass_info: u32, tiles: u32) {
+        if let Some(direct) = &self.direct {
+            recorder.dispatch_tiles(direct, &[("pass_info", pass_info)], tiles);
+        }
+    }
+
+    /// Record what a sorted map is for.
+    pub(super) fn record_gather(
+        &self,
+        recorder: &mut Recorder<'_>,
+        kind: MapKind,
+        gather: &Step,
+        at: Offsets<'_>,
+        tiles: u32,
+    ) {
+        if let (MapKind::Diffuse, Some(boundary)) = (kind, &self.boundary) {
+            recorder.dispatch_tiles(boundary, at, tiles);
+        }
+        recorder.dispatch_tiles(gather, at, tiles);
+    }
+}

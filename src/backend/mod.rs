@@ -1,0 +1,226 @@
+//! Backend: what a device that renders passes must offer, and what it hands back.
+
+pub mod cpu;
+pub mod gpu;
+
+use crate::error::Result;
+use crate::estimators::split_paths::Glints;
+use crate::film::tile_schedule::Rest;
+use crate::film::{LAYERS, Layer};
+use crate::spectrum::{BANDS, Bands};
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Most passes of a render: random numbers know a pass by 32 bits, and the last of them is the pilot's.
+pub const PASSES_MAX: u64 = u32::MAX as u64;
+
+/// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
+/// gives the same sums up to rounding.
+pub trait Backend {
+    /// One line: the device and how it is driven.
+    fn describe(&self) -> String;
+
+    /// From now on measure what each kernel takes (a little slower); nothing where the device cannot.
+    fn measure_kernels(&mut self) {}
+
+    /// Name, seconds and dispatches of each kernel since [`Backend::measure_kernels`].
+    fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
+        Vec::new()
+    }
+
+    /// Bytes of the device's buffers; none where the backend has none of its own.
+    fn device_bytes(&self) -> Option<u64> {
+        None
+    }
+
+    /// How many passes one call should render from `first` on. It depends on the pass only, never on the clock: a call's
+    /// passes are summed in f32, and another split would round otherwise.
+    fn batch_passes(&self, first: u64) -> u32 {
+        let _ = first;
+        1
+    }
+
+    /// How much the maps are blurred in a pass: the squared radius of their estimates, relative to the first pass; 0 without
+    /// maps.
+    fn blur(&self, pass: u64) -> f64 {
+        let _ = pass;
+        0.0
+    }
+
+    /// Whether a layer can hold light at all: the others are black in every batch.
+    fn traces(&self, layer: Layer) -> bool {
+        let _ = layer;
+        true
+    }
+
+    /// From now on tiles rest as told: a batch holds the sums of the passes that each takes part in. False where the backend
+    /// does not do that; then it renders everything.
+    fn rest(&mut self, rest: &Rest) -> bool {
+        let _ = rest;
+        false
+    }
+
+    /// The pixels in which trees look for emission, from the first batch on; none where that is not done.
+    fn glints(&self) -> Option<&Glints> {
+        None
+    }
+
+    /// From now on grow so many trees: more than before, between two powers of two of passes.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where the device fails.
+    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+        let _ = glints;
+        Ok(())
+    }
+
+    /// Render passes `first .. first + count`, numbered from 0, below [`PASSES_MAX`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where the device fails, [`crate::Error::Capacity`] where a pass does not fit.
+    fn render(&mut self, first: u64, count: u32) -> Result<Batch>;
+}
+
+thread_local! {
+    static GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Do what panics where a device is lost: wgpu waits for a device, and lets go of one, without a way to report that. The words of
+/// the panic, in one line, where it does.
+///
+/// # Errors
+/// The words of the panic.
+pub fn guarded<T>(work: impl FnOnce() -> T) -> std::result::Result<T, String> {
+    let before = GUARDED.replace(true);
+    let done = catch_unwind(AssertUnwindSafe(work));
+    GUARDED.set(before);
+    done.map_err(|panic| {
+        let words = panic.downcast_ref::<String>().map(String::as_str);
+        let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it panicked");
+        words.split_whitespace().collect::<Vec<_>>().join(" ")
+    })
+}
+
+/// Whether a panic of this thread is caught and comes out as an error: then a hook has nothing to print.
+pub fn is_guarded() -> bool {
+    GUARDED.get()
+}
+
+/// The sums of a few passes.
+#[derive(Debug, Clone)]
+pub struct Batch {
+    /// Radiance summed over the passes, W/(m² sr): one image for each layer, row by row from the top.
+    pub layers: [Vec<Bands>; LAYERS],
+    /// What was counted on the way.
+    pub tally: Tally,
+}
+
+/// Counts and energies, summed over passes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tally {
+    /// Rays traced, of all kinds.
+    pub rays: u64,
+    /// Jotons that started from an emitter.
+    pub jotons_emitted: u64,
+    /// Jotons stored, in both maps.
+    pub jotons_stored: u64,
+    /// Jotons that were not stored, since the camera does not look where they are.
+    pub jotons_not_stored: u64,
+    /// Light samples that got no shadow ray, since another one stood for them.
+    pub shadow_rays_saved: u64,
+    /// Flux of the jotons that started for the diffuse map, internal W per band.
+    pub emitted: [f64; BANDS],
+    /// Flux that surfaces absorbed; the expected value at each meeting, not the roulette's outcome.
+    pub absorbed: [f64; BANDS],
+    /// Flux that left the scene.
+    pub escaped: [f64; BANDS],
+    /// Contributions that were not finite and were left out of the film.
+    pub non_finite: NonFinite,
+    /// Paths cut at the hard limit of their length.
+    pub truncated: u64,
+    /// Pixels of all passes that rested.
+    pub pixels_rested: u64,
+}
+
+/// Where a value that is not finite was met. It is left out there and counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// Flux of a joton that was to be stored (CPU backend).
+    Joton,
+    /// Radiance of one layer of a pixel in one pass (CPU backend).
+    Pixel,
+    /// Radiance of one layer of a pixel, summed over a batch, as it was read back (GPU backend).
+    ReadBack,
+    /// Light found by a path (path tracer).
+    Path,
+}
+
+/// Number of causes.
+const CAUSES: usize = 4;
+
+impl Cause {
+    /// All causes, in the order in which they are counted.
+    pub const ALL: [Cause; CAUSES] = [Cause::Joton, Cause::Pixel, Cause::ReadBack, Cause::Path];
+
+    /// Name, lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cause::Joton => "joton",
+            Cause::Pixel => "pixel",
+            Cause::ReadBack => "read_back",
+            Cause::Path => "path",
+        }
+    }
+}
+
+/// How often a value was not finite, by cause. As JSON an object: `total`, then each cause by its name.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct NonFinite([u64; CAUSES]);
+
+impl NonFinite {
+    /// Count one more.
+    pub fn count(&mut self, cause: Cause) {
+        self.0[cause as usize] += 1;
+    }
+
+    /// How often for this cause.
+    pub fn of(&self, cause: Cause) -> u64 {
+        self.0[cause as usize]
+    }
+
+    /// How often in all.
+    pub fn total(&self) -> u64 {
+        self.0.iter().sum()
+    }
+}
+
+impl std::ops::AddAssign for NonFinite {
+    fn add_assign(&mut self, o: Self) {
+        self.0.iter_mut().zip(o.0).for_each(|(sum, more)| *sum += more);
+    }
+}
+
+impl serde::Serialize for NonFinite {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let causes = Cause::ALL.map(|cause| (cause.name(), self.of(cause)));
+        serializer.collect_map([("total", self.total())].into_iter().chain(causes))
+    }
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, o: Self) {
+        self.rays += o.rays;
+        self.jotons_emitted += o.jotons_emitted;
+        self.jotons_stored += o.jotons_stored;
+        self.jotons_not_stored += o.jotons_not_stored;
+        self.shadow_rays_saved += o.shadow_rays_saved;
+        for b in 0..BANDS {
+            self.emitted[b] += o.emitted[b];
+            self.absorbed[b] += o.absorbed[b];
+            self.escaped[b] += o.escaped[b];
+        }
+        self.non_finite += o.non_finite;
+        self.truncated += o.truncated;
+        self.pixels_rested += o.pixels_rested;
+    }
+}

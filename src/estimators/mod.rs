@@ -1,0 +1,5 @@
+//! Estimators: what the two backends have in common of how light is estimated.
+
+pub mod maps;
+pub mod radii;
+pub mod split_paths;

@@ -1,0 +1,228 @@
+//! Film: the layers of an image, summed in f64 over passes.
+
+pub(crate) mod neighbours;
+pub mod paths;
+pub mod stats;
+pub mod tile_schedule;
+
+use crate::error::{Error, Result};
+use crate::film::tile_schedule::Rest;
+use crate::spectrum::{BANDS, Bands};
+
+/// Bytes of a pixel of a layer: its sum, the last sample where it rests, and a batch of it, whose place the picture takes.
+const LAYER_BYTES: u64 = 24 + 12 + 12;
+/// Bytes of a pixel of the whole picture, of who has trees (level, what they saw, a list), and of what the pilot found out of it.
+const PIXEL_BYTES: u64 = 12 + 17 + 64;
+/// Bytes of a pixel that is looked at to tell the error.
+const SAMPLE_BYTES: u64 = 120;
+/// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
+pub const SAMPLES_MAX: u64 = 1 << 21;
+/// Most pixels of an image: they are numbered in 28 bits.
+const PIXELS_MAX: u64 = 1 << 28;
+
+/// Bytes of host memory for an image of which so many layers hold light, from the first pass to the written file, at most. Where a
+/// layer is black none are taken.
+pub fn host_bytes(size: [u32; 2], layers: usize) -> u64 {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64;
+    pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
+}
+
+/// Refuse an image that does not fit the memory that is left, before any of it is taken.
+///
+/// # Errors
+/// [`Error::Capacity`] with need and limit.
+pub fn check_memory(size: [u32; 2]) -> Result<()> {
+    let need = host_bytes(size, LAYERS);
+    let most = PIXELS_MAX * (PIXEL_BYTES + LAYER_BYTES * LAYERS as u64);
+    let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
+    if need > limit {
+        let remedy = "render a smaller image (--size)".to_string();
+        return Err(Error::Capacity { buffer: "the film", need, limit, remedy });
+    }
+    Ok(())
+}
+
+/// Added to a squared radiance that errors are divided by, (W/(m² sr))²: a black pixel must not weigh infinitely much.
+pub const RELATIVE_OFFSET: f64 = 1e-2;
+
+/// The layers of the image, by class of light path. Their sum is the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Layer {
+    /// E S* L: emission seen directly or through specular surfaces.
+    Emission,
+    /// E S* D L: direct illumination.
+    Direct,
+    /// E S* D S+ L: caustics.
+    Caustic,
+    /// E S* D (S* D)+ … L: everything that was diffusely reflected before.
+    Diffuse,
+}
+
+/// Number of layers.
+pub const LAYERS: usize = 4;
+
+impl Layer {
+    /// All layers, in the order in which they are stored.
+    pub const ALL: [Layer; LAYERS] = [Layer::Emission, Layer::Direct, Layer::Caustic, Layer::Diffuse];
+
+    /// Name, lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Layer::Emission => "emission",
+            Layer::Direct => "direct",
+            Layer::Caustic => "caustic",
+            Layer::Diffuse => "diffuse",
+        }
+    }
+}
+
+/// An image of linear radiance: W/(m² sr) per band, row 0 at the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// `width * height` pixels, row by row.
+    pub pixels: Vec<Bands>,
+}
+
+impl Image {
+    /// A black image.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![[0.0; BANDS]; width as usize * height as usize] }
+    }
+}
+
+/// What a renderer hands out: the mean of its passes, whole and by layer.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// The sum of the layers.
+    pub whole: Image,
+    /// One image for each of [`Layer::ALL`].
+    pub layers: [Image; LAYERS],
+}
+
+/// Sums over passes, per layer and pixel, in f64: 1e5 passes do not drift. A sample of a tile that rests counts for the
+/// passes of its block [E21].
+#[derive(Debug, Clone)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    passes: u64,
+    sums: [Vec<[f64; BANDS]>; LAYERS],
+    rest: Rest,
+    /// The last sample of the pixels whose block is longer than a batch; empty before there are any. `sums` has it as often
+    /// as its block has passes, those to come among them.
+    last: [Vec<Bands>; LAYERS],
+}
+
+impl Film {
+    /// An empty film.
+    pub fn new(width: u32, height: u32) -> Self {
+        let n = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            passes: 0,
+            sums: std::array::from_fn(|_| vec![[0.0; BANDS]; n]),
+            rest: Rest::none([width, height]),
+            last: Default::default(),
+        }
+    }
+
+    /// Pixels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Passes summed so far.
+    pub fn passes(&self) -> u64 {
+        self.passes
+    }
+
+    /// Who rests.
+    pub fn rest(&self) -> &Rest {
+        &self.rest
+    }
+
+    /// From here on these tiles rest. No block of those that do now is open.
+    pub fn set_rest(&mut self, rest: Rest) {
+        if !rest.is_none() && self.last[0].is_empty() {
+            self.last = std::array::from_fn(|_| vec![[0.0; BANDS]; self.sums[0].len()]);
+        }
+        self.rest = rest;
+    }
+
+    /// Add the sums of `passes` passes, one slice of pixels for each layer; none for a layer that is not traced. They are a
+    /// power of two and begin at a multiple of it, where anything rests.
+    pub fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
+        let width = self.width as usize;
+        let runs = self.rest.runs(self.passes, passes);
+        self.passes += passes;
+        for ((sum, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
+            if layer.is_empty() {
+                continue;
+            }
+            assert_eq!(sum.len(), layer.len(), "a batch has as many pixels as the film");
+            for run in &runs {
+                let weight = run.weight as f64;
+                for pixels in run.pixels(width) {
+                    // black pixels are left alone: pages of zeros that are never written take no memory
+                    if run.weight > passes {
+                        let pairs = last[pixels.clone()].iter_mut().zip(&layer[pixels.clone()]);
+                        pairs.filter(|(last, l)| *last != *l).for_each(|(last, l)| *last = *l);
+                    }
+                    for (s, l) in sum[pixels.clone()].iter_mut().zip(&layer[pixels]) {
+                        if *l != [0.0; BANDS] {
+                            for b in 0..BANDS {
+                                s[b] += weight * f64::from(l[b]);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sum over the passes of a layer of a pixel.
+    pub(crate) fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
+        let sum = self.sums[layer][pixel];
+        match self.rest.pending_at(pixel, self.passes) {
+            0 => sum,
+            pending => {
+                let last = self.last[layer][pixel];
+                std::array::from_fn(|b| sum[b] - pending as f64 * f64::from(last[b]))
+            }
+        }
+    }
+
+    /// Sum over the passes of one pixel, all layers together.
+    pub fn sum_of_layers(&self, pixel: usize) -> [f64; BANDS] {
+        (0..LAYERS).fold([0.0; BANDS], |sum, layer| {
+            let more = self.sum(layer, pixel);
+            std::array::from_fn(|b| sum[b] + more[b])
+        })
+    }
+
+    /// The mean of the passes, whole and by layer.
+    pub fn picture(&self) -> Picture {
+        let n = self.passes.max(1) as f64;
+        let image = |f: &dyn Fn(usize) -> [f64; BANDS]| {
+            let mut image = Image::new(self.width, self.height);
+            for (p, pixel) in image.pixels.iter_mut().enumerate() {
+                let sum = f(p);
+                if sum != [0.0; BANDS] {
+                    *pixel = sum.map(|x| (x / n) as f32);
+                }
+            }
+            image
+        };
+        Picture {
+            whole: image(&|p| self.sum_of_layers(p)),
+            layers: std::array::from_fn(|l| image(&|p| self.sum(l, p))),
+        }
+    }
+}

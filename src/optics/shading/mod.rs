@@ -1,0 +1,4 @@
+//! Shading: what a surface does with light.
+
+pub mod bsdf;
+pub(crate) mod roulette;

@@ -1,0 +1,163 @@
+//! Mitsuba: a scene file of Mitsuba 3 for its rgb variants, where radiance, reflectance and intensity are plain bands.
+
+use super::shapes::Shape;
+use super::subset::Bsdf;
+use crate::scene::{Light, Scene};
+use crate::spectrum::{Bands, is_black};
+use glam::DVec3;
+use std::fmt::Write;
+
+/// Nothing nearer to the eye than this part of the scene's extent is seen: less than f32 tells apart.
+const NEAR: f64 = 1e-6;
+/// The far plane lies behind everything.
+const FAR: f64 = 2.0;
+
+/// The scene file. `meshes` names a file for each shape, in the folder of the scene file.
+pub(super) fn text(scene: &Scene, shapes: &[Shape<'_>], meshes: &[String], lights: &[Light]) -> String {
+    let mut out = String::from("<!-- written by joton; right-handed, y up; W/(m² sr), linear RGB -->\n");
+    let mut line = |text: String| {
+        out += &text;
+        out.push('\n');
+    };
+    line("<scene version=\"3.0.0\">".into());
+    line("<default name=\"spp\" value=\"64\"/>".into());
+    line("<integrator type=\"path\"><integer name=\"max_depth\" value=\"-1\"/></integrator>".into());
+    line(sensor(scene));
+    let mut defined = None;
+    for (shape, mesh) in shapes.iter().zip(meshes) {
+        let id = escaped(&format!("{} {}", shape.material_index, shape.material));
+        // shapes come in the order of their materials
+        if defined.replace(shape.material_index) != Some(shape.material_index) {
+            line(bsdf(&shape.bsdf, &id));
+        }
+        line(self::shape(shape, mesh, &id));
+    }
+    for light in lights {
+        line(emitter(light));
+    }
+    line("</scene>".into());
+    out
+}
+
+fn sensor(scene: &Scene) -> String {
+    let camera = &scene.camera;
+    let used = scene.mesh.triangles.iter().flat_map(|t| t.vertex);
+    let distance = |v: u32| (scene.mesh.positions[v as usize] - camera.position).length();
+    let farthest = used.map(distance).fold(0.0, f64::max);
+    let fov = 2.0 * camera.tan_half_fov[0].atan().to_degrees();
+    let mut out = String::from("<sensor type=\"perspective\">\n<string name=\"fov_axis\" value=\"x\"/>");
+    out += &float("fov", fov);
+    out += &float("near_clip", NEAR * farthest);
+    out += &float("far_clip", FAR * farthest);
+    out += &look_at(camera.position, camera.target, camera.up);
+    out += "\n<sampler type=\"independent\"><integer name=\"sample_count\" value=\"$spp\"/></sampler>";
+    let [width, height] = scene.size;
+    let _ = write!(
+        out,
+        "\n<film type=\"hdrfilm\"><integer name=\"width\" value=\"{width}\"/><integer name=\"height\" \
+         value=\"{height}\"/><rfilter type=\"box\"/><string name=\"pixel_format\" value=\"rgb\"/>\
+         <string name=\"component_format\" value=\"float32\"/></film>\n</sensor>"
+    );
+    out
+}
+
+fn bsdf(bsdf: &Bsdf, id: &str) -> String {
+    let two_sided = |inner: String| format!("<bsdf type=\"twosided\" id=\"{id}\">{inner}</bsdf>");
+    let diffuse = |kd: &Bands| format!("<bsdf type=\"diffuse\">{}</bsdf>", rgb("reflectance", kd));
+    let mirror = |ks: &Bands| {
+        let reflectance = rgb("specular_reflectance", ks);
+        format!("<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{reflectance}</bsdf>")
+    };
+    match bsdf {
+        Bsdf::Diffuse(kd) => two_sided(diffuse(kd)),
+        Bsdf::Mirror(ks) => two_sided(mirror(ks)),
+        Bsdf::Dielectric(d) | Bsdf::Pane(d) => format!(
+            "<bsdf type=\"{}\" id=\"{id}\">{}{}{}{}</bsdf>",
+            if matches!(bsdf, Bsdf::Pane(_)) { "thindielectric" } else { "dielectric" },
+            float("int_ior", d.ior),
+            float("ext_ior", 1.0),
+            rgb("specular_reflectance", &d.reflection_tint),
+            rgb("specular_transmittance", &d.transmission_tint)
+        ),
+    }
+}
+
+fn shape(shape: &Shape<'_>, mesh: &str, id: &str) -> String {
+    let emitter = if is_black(&shape.emission) {
+        String::new()
+    } else {
+        format!("<emitter type=\"area\">{}</emitter>", rgb("radiance", &shape.emission))
+    };
+    format!(
+        "<shape type=\"ply\"><string name=\"filename\" value=\"{}\"/><boolean name=\"face_normals\" value=\"{}\"/>\
+         {emitter}<ref id=\"{id}\"/></shape>",
+        escaped(mesh),
+        shape.normals.is_empty()
+    )
+}
+
+fn emitter(light: &Light) -> String {
+    match light {
+        Light::Point { position, intensity } => format!(
+            "<emitter type=\"point\">{}{}</emitter>",
+            triple("point", "position", *position),
+            rgb("intensity", intensity)
+        ),
+        Light::Spot { position, direction, intensity, angle_outer, .. } => {
+            let angle = angle_outer.to_degrees();
+            format!(
+                "<emitter type=\"spot\">{}{}{}{}</emitter>",
+                look_at(*position, *position + *direction, direction.any_orthogonal_vector()),
+                rgb("intensity", intensity),
+                float("cutoff_angle", angle),
+                float("beam_width", angle)
+            )
+        }
+        Light::Sun { direction, irradiance } => format!(
+            "<emitter type=\"directional\">{}{}</emitter>",
+            triple("vector", "direction", *direction),
+            rgb("irradiance", irradiance)
+        ),
+    }
+}
+
+fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> String {
+    let [origin, target, up] = [origin, target, up].map(|v| list(&v.to_array()));
+    format!(
+        "<transform name=\"to_world\"><lookat origin=\"{origin}\" target=\"{target}\" up=\"{up}\"/></transform>"
+    )
+}
+
+fn float(name: &str, value: impl std::fmt::Display) -> String {
+    format!("<float name=\"{name}\" value=\"{value}\"/>")
+}
+
+fn rgb(name: &str, bands: &Bands) -> String {
+    format!("<rgb name=\"{name}\" value=\"{}\"/>", list(bands))
+}
+
+fn triple(kind: &str, name: &str, v: DVec3) -> String {
+    format!("<{kind} name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", v.x, v.y, v.z)
+}
+
+/// Numbers with all their digits.
+fn list(values: &[impl std::fmt::Display]) -> String {
+    values.iter().map(|v| v.to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// Text inside an attribute. Characters that XML does not allow at all become spaces; `$` would name a parameter.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            '$' => out += "_",
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}

@@ -1,0 +1,71 @@
+//! Subset: the materials and lights that have an exact counterpart in Mitsuba and LuxCore; the rest is refused.
+
+use super::unsupported;
+use crate::error::Result;
+use crate::scene::{Dielectric, Light, Material, Scene};
+use crate::spectrum::{BLACK, Bands, is_black};
+use std::path::Path;
+
+/// What to do about a material of several lobes.
+const ONE_LOBE: &str = "make it matte or a mirror: a [[material]] with type in the scene file";
+
+/// What a material is in the words of other renderers. Emission comes on top of it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Bsdf {
+    /// Lambertian on both sides.
+    Diffuse(Bands),
+    /// A perfect mirror on both sides.
+    Mirror(Bands),
+    /// The boundary of a transparent body, which is behind the front.
+    Dielectric(Dielectric),
+    /// Both boundaries of such a body in one place.
+    Pane(Dielectric),
+}
+
+impl Bsdf {
+    /// The counterpart of a material.
+    ///
+    /// # Errors
+    /// [`crate::Error::Scene`] where there is none.
+    pub(super) fn of(material: &Material, source: &Path) -> Result<Self> {
+        let refuse = |what: &str, remedy: &str| {
+            Err(unsupported(source, format!("material \"{}\": {what}", material.name), remedy))
+        };
+        if let Some(dielectric) = material.dielectric {
+            return Ok(if material.thin { Self::Pane(dielectric) } else { Self::Dielectric(dielectric) });
+        }
+        if !is_black(&material.glossy) {
+            return refuse("its glossy lobe (Phong) has no counterpart in other renderers", ONE_LOBE);
+        }
+        match (is_black(&material.diffuse), is_black(&material.specular)) {
+            (_, true) => Ok(Self::Diffuse(material.diffuse)),
+            (true, false) => Ok(Self::Mirror(material.specular)),
+            // Mitsuba's blendbsdf weighs a mirror's direction by the Lambertian lobe, too, and changes its colour
+            (false, false) => refuse(
+                "its sum of a matte and a mirror lobe has no exact counterpart in other renderers",
+                ONE_LOBE,
+            ),
+        }
+    }
+
+    /// Whether it is black: nothing but emission comes from it.
+    pub(super) fn is_black(&self) -> bool {
+        *self == Self::Diffuse(BLACK)
+    }
+}
+
+/// The lights, if each has a counterpart.
+pub(super) fn check_lights<'a>(scene: &'a Scene, source: &Path) -> Result<&'a [Light]> {
+    for (i, light) in scene.lights.iter().enumerate() {
+        if let Light::Spot { angle_inner, angle_outer, .. } = light
+            && angle_inner != angle_outer
+        {
+            return Err(unsupported(
+                source,
+                format!("light {}: the soft edge of a spot has no counterpart in other renderers", i + 1),
+                "give angle_inner = angle_outer",
+            ));
+        }
+    }
+    Ok(&scene.lights)
+}

@@ -1,0 +1,67 @@
+//! The camera in internal units, and its rays, which keep their digits however far away it is. Twin:
+//! shaders/shared/camera.wgsl.
+
+use crate::packed::layout::SCENE_RADIUS;
+use crate::scene::Camera;
+use glam::{DVec3, Vec3};
+
+/// A pinhole: the ray through image coordinates (x, y) in [0, 1]², (0, 0) the top left, runs along
+/// d = `forward + (2x − 1) right + (1 − 2y) up`. It starts at the eye or, where that is far away, where it crosses a plane
+/// before the scene: there a ray that set out at the eye would have lost its digits.
+#[derive(Debug, Clone, Copy)]
+pub struct PackedCamera {
+    /// Eye point.
+    pub eye: Vec3,
+    /// Where the middle ray starts: the eye, or that plane.
+    pub start: Vec3,
+    /// Distance from `eye` to `start` along `forward`; rays start at `eye` + `ahead` d.
+    pub ahead: f32,
+    /// Right, scaled by the tangent of half the field of view across.
+    pub right: Vec3,
+    /// Up, scaled likewise.
+    pub up: Vec3,
+    /// Unit view direction.
+    pub forward: Vec3,
+}
+
+/// A ray of the camera.
+#[derive(Debug, Clone, Copy)]
+pub struct CameraRay {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Its length before that, from the eye.
+    pub travelled: f32,
+}
+
+impl PackedCamera {
+    /// A camera whose eye is at `eye`, internal units.
+    pub(super) fn new(camera: &Camera, eye: DVec3) -> Self {
+        let [right, up, forward] = camera.basis();
+        let [tx, ty] = camera.tan_half_fov;
+        // every surface lies beyond the plane forward·p = −SCENE_RADIUS
+        let to_plane = -eye.dot(forward) - f64::from(SCENE_RADIUS);
+        let ahead = if to_plane > f64::from(SCENE_RADIUS) { to_plane } else { 0.0 };
+        Self {
+            eye: eye.as_vec3(),
+            start: (eye + forward * ahead).as_vec3(),
+            ahead: ahead as f32,
+            right: (right * tx).as_vec3(),
+            up: (up * ty).as_vec3(),
+            forward: forward.as_vec3(),
+        }
+    }
+
+    /// The ray through image coordinates (x, y).
+    pub fn ray(&self, [x, y]: [f32; 2]) -> CameraRay {
+        let across = self.right * (2.0 * x - 1.0) + self.up * (1.0 - 2.0 * y);
+        let along = self.forward + across;
+        let length = along.length();
+        CameraRay {
+            origin: self.start + across * self.ahead,
+            direction: along / length,
+            travelled: self.ahead * length,
+        }
+    }
+}

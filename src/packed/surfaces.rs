@@ -1,0 +1,278 @@
+//! Triangles and materials as plain arrays.
+
+use super::winding::corner;
+use crate::packed::accel::Face;
+use crate::packed::layout::gpu_struct;
+use crate::scene::{Material, Scene};
+use crate::spectrum::{BLACK, Bands, is_black};
+use glam::Vec3;
+use rustc_hash::{FxBuildHasher, FxHashMap};
+
+/// [`PackedTriangle::emitter`] of a triangle that emits nothing.
+pub const NO_EMITTER: u32 = u32::MAX;
+
+/// Bit of [`PackedTriangle::flags`]: the triangle has shading normals.
+pub const SMOOTH: u32 = 1;
+/// Bit of [`PackedTriangle::flags`]: light passes through.
+pub const CLEAR: u32 = 2;
+/// Bit of [`PackedTriangle::flags`]: the front emits.
+pub const LAMP: u32 = 4;
+
+/// Ranks of faces in one place ([`Face::rank`]): opaque before clear, since glass that touches an opaque face is in optical
+/// contact with it; of opaque faces those that look toward the ray, lamps first; of clear ones the way out before the way in.
+pub(crate) mod rank {
+    pub(crate) const CLEAR_FRONT: u32 = 0;
+    pub(crate) const CLEAR_BACK: u32 = 1;
+    pub(crate) const BACK: u32 = 2;
+    pub(crate) const FRONT: u32 = 3;
+    pub(crate) const LAMP: u32 = 4;
+}
+
+gpu_struct! {
+    /// A triangle, 48 bytes; front where the vertices run counter-clockwise.
+    pub struct PackedTriangle {
+        /// First vertex.
+        pub v0: Vec3,
+        /// Index of the material.
+        pub material: u32,
+        /// Second vertex minus first.
+        pub e1: Vec3,
+        /// Bits: [`SMOOTH`], [`CLEAR`], [`LAMP`].
+        pub flags: u32,
+        /// Third vertex minus first.
+        pub e2: Vec3,
+        /// Index of the emitter, or [`NO_EMITTER`].
+        pub emitter: u32,
+    }
+}
+
+impl PackedTriangle {
+    /// Area in internal units.
+    pub fn area(&self) -> f32 {
+        0.5 * self.e1.as_dvec3().cross(self.e2.as_dvec3()).length() as f32
+    }
+
+    /// Unit geometric normal of the front.
+    pub fn normal(&self) -> Vec3 {
+        self.e1.cross(self.e2).normalize_or_zero()
+    }
+
+    /// The triangle with all corners.
+    pub fn vertices(&self) -> [Vec3; 3] {
+        [self.v0, self.v0 + self.e1, self.v0 + self.e2]
+    }
+}
+
+impl Face for PackedTriangle {
+    #[inline(always)]
+    fn edges(&self) -> [Vec3; 3] {
+        [self.v0, self.e1, self.e2]
+    }
+
+    // twin: shaders/shared/crossing.wgsl
+    fn rank(&self, is_front: bool) -> u32 {
+        match (self.flags & CLEAR != 0, is_front) {
+            (true, true) => rank::CLEAR_FRONT,
+            (true, false) => rank::CLEAR_BACK,
+            (false, false) => rank::BACK,
+            (false, true) if self.flags & LAMP == 0 => rank::FRONT,
+            (false, true) => rank::LAMP,
+        }
+    }
+}
+
+/// Glossy lobes sharper than this Phong exponent are followed as mirrors are, never looked up in a map: none is dense enough.
+/// Lights without area are never met so; shadow rays find them in such a lobe as in every other [E6].
+const FOLLOWED_EXPONENT: f32 = 300.0;
+
+/// What a material can do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MaterialFlags(u32);
+
+impl MaterialFlags {
+    pub(crate) const DIFFUSE: u32 = 1;
+    pub(crate) const GLOSSY: u32 = 2;
+    pub(crate) const SPECULAR: u32 = 4;
+    pub(crate) const DIELECTRIC: u32 = 8;
+    pub(crate) const EMISSIVE: u32 = 16;
+    pub(crate) const THIN: u32 = 32;
+
+    /// Light can be scattered into all directions here: a gather point, a place for jotons.
+    pub fn has_diffuse(self) -> bool {
+        self.0 & (Self::DIFFUSE | Self::GLOSSY) != 0
+    }
+    /// There is a glossy lobe.
+    pub fn has_glossy(self) -> bool {
+        self.0 & Self::GLOSSY != 0
+    }
+    /// A mirror or a dielectric: light can leave in a single direction.
+    pub fn has_delta(self) -> bool {
+        self.0 & (Self::SPECULAR | Self::DIELECTRIC) != 0
+    }
+    /// Light can pass through.
+    pub fn is_dielectric(self) -> bool {
+        self.0 & Self::DIELECTRIC != 0
+    }
+    /// A dielectric with both of its faces in one place: what passes is not bent [E26].
+    pub fn is_thin(self) -> bool {
+        self.0 & Self::THIN != 0
+    }
+    /// The front emits.
+    pub fn is_emissive(self) -> bool {
+        self.0 & Self::EMISSIVE != 0
+    }
+}
+
+gpu_struct! {
+    /// A material, 80 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
+    pub struct PackedMaterial {
+        /// Lambertian reflectance.
+        pub diffuse: Bands,
+        /// Bits of [`MaterialFlags`].
+        pub flag_bits: u32,
+        /// Mirror reflectance, or the dielectric's reflection tint.
+        pub specular: Bands,
+        /// Index of refraction inside over outside; 1 where opaque.
+        pub ior: f32,
+        /// Glossy reflectance.
+        pub glossy: Bands,
+        /// Phong exponent of the glossy lobe.
+        pub glossy_exponent: f32,
+        /// Transmission tint of a dielectric; black where opaque.
+        pub transmission: Bands,
+        /// Phong exponent about the mirror direction of what `specular` reflects, a lobe that is followed; 0 is a mirror.
+        pub specular_exponent: f32,
+        /// Radiance emitted from the front, W/(m² sr).
+        pub emission: Bands,
+        /// Padding.
+        pub pad1: u32,
+    }
+}
+
+impl PackedMaterial {
+    /// Pack a material.
+    pub fn new(m: &Material) -> Self {
+        let mut bits = 0;
+        let mut set = |on: bool, bit: u32| bits |= if on { bit } else { 0 };
+        set(m.dielectric.is_some(), MaterialFlags::DIELECTRIC);
+        set(m.dielectric.is_some() && m.thin, MaterialFlags::THIN);
+        let opaque = m.dielectric.is_none();
+        // beside a mirror there is no room for a second lobe that is followed
+        let followed = m.glossy_exponent > FOLLOWED_EXPONENT && is_black(&m.specular);
+        let (glossy, specular) = if followed { (BLACK, m.glossy) } else { (m.glossy, m.specular) };
+        set(opaque && !is_black(&m.diffuse), MaterialFlags::DIFFUSE);
+        set(opaque && !is_black(&glossy), MaterialFlags::GLOSSY);
+        set(opaque && !is_black(&specular), MaterialFlags::SPECULAR);
+        set(!is_black(&m.emission), MaterialFlags::EMISSIVE);
+        let d = m.dielectric;
+        Self {
+            diffuse: if opaque { m.diffuse } else { BLACK },
+            flag_bits: bits,
+            specular: d.map_or(specular, |d| d.reflection_tint),
+            ior: d.map_or(1.0, |d| d.ior),
+            glossy: if opaque { glossy } else { BLACK },
+            glossy_exponent: m.glossy_exponent,
+            transmission: d.map_or(BLACK, |d| d.transmission_tint),
+            specular_exponent: if followed && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
+            emission: m.emission,
+            pad1: 0,
+        }
+    }
+
+    /// True for a lobe of finite width that is followed as a mirror is.
+    pub fn has_narrow_lobe(&self) -> bool {
+        self.specular_exponent > 0.0
+    }
+
+    /// What the material can do.
+    pub fn flags(&self) -> MaterialFlags {
+        MaterialFlags(self.flag_bits)
+    }
+}
+
+/// Triangles start at their first corner unless the sine of its angle is this many times smaller than another's.
+const SLIVER: f32 = 4.0;
+
+/// The corner that a triangle starts from: the first, but where that is the tip of a sliver the one whose angle has the
+/// largest sine. One edge is short then, and what rounding does to the weights of a hit stays small along the long one.
+pub fn first_corner(vertices: [Vec3; 3]) -> usize {
+    // twice the area over the sine
+    let product = |k: usize| {
+        let [a, b, c] = [0, 1, 2].map(|i| vertices[(k + i) % 3]);
+        (b - a).length() * (c - a).length()
+    };
+    let best = if product(1) < product(2) { 1 } else { 2 };
+    if SLIVER * product(best) < product(0) { best } else { 0 }
+}
+
+/// Indices of the triangles without copies: same corners in the same turn. One of them is what a ray meets; the others
+/// would only shine once more and make the hierarchy deep. What shines is kept before what does not, what is opaque before
+/// glass (flush with an opaque face, glass is in optical contact), and the first of the file before the others.
+pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> {
+    let mut kept: FxHashMap<[[u32; 3]; 3], u32> =
+        FxHashMap::with_capacity_and_hasher(vertices.len(), FxBuildHasher);
+    let rank = |i: u32| {
+        let material = &scene.materials[scene.mesh.triangles[i as usize].material as usize];
+        (is_black(&material.emission), material.dielectric.is_some(), i)
+    };
+    let key = |i: u32| -> [[u32; 3]; 3] {
+        // one zero for both
+        let corners = vertices[i as usize].map(|v| (v + Vec3::ZERO).to_array().map(f32::to_bits));
+        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        std::array::from_fn(|k| corners[(first + k) % 3])
+    };
+    for i in 0..vertices.len() as u32 {
+        let best = kept.entry(key(i)).or_insert(i);
+        if rank(i) < rank(*best) {
+            *best = i;
+        }
+    }
+    (0..vertices.len() as u32).filter(|&i| kept[&key(i)] == i).collect()
+}
+
+/// Bits of [`PackedTriangle::flags`].
+fn flags(is_smooth: bool, material: &Material) -> u32 {
+    let bit = |on: bool, bit: u32| if on { bit } else { 0 };
+    let is_clear = material.dielectric.is_some();
+    bit(is_smooth, SMOOTH) | bit(is_clear, CLEAR) | bit(!is_black(&material.emission), LAMP)
+}
+
+/// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
+/// `emitter` holds 0 where the material emits. `vertices` are turned already where a triangle is.
+pub(super) fn pack(
+    scene: &Scene,
+    vertices: &[[Vec3; 3]],
+    turned: &[bool],
+    order: &[u32],
+) -> (Vec<PackedTriangle>, Vec<[Vec3; 3]>) {
+    let any_smooth = scene.mesh.triangles.iter().any(|t| t.normal.is_some());
+    let mut triangles = Vec::with_capacity(order.len());
+    let mut normals = Vec::with_capacity(if any_smooth { order.len() } else { 0 });
+    for &i in order {
+        let t = &scene.mesh.triangles[i as usize];
+        let first = first_corner(vertices[i as usize]);
+        let from_first = |k: usize| (first + k) % 3;
+        let [a, b, c] = [0, 1, 2].map(|k| vertices[i as usize][from_first(k)]);
+        let packed = PackedTriangle {
+            v0: a,
+            material: t.material,
+            e1: b - a,
+            flags: flags(t.normal.is_some(), &scene.materials[t.material as usize]),
+            e2: c - a,
+            emitter: NO_EMITTER,
+        };
+        triangles.push(packed);
+        if any_smooth {
+            normals.push(match t.normal {
+                Some(n) => {
+                    // they are of the front, which is the other one where a triangle is turned
+                    let is_turned = turned[i as usize];
+                    let sign = if is_turned { -1.0 } else { 1.0 };
+                    [0, 1, 2].map(|k| sign * scene.mesh.normals[n[corner(is_turned, from_first(k))] as usize])
+                }
+                None => [packed.normal(); 3],
+            });
+        }
+    }
+    (triangles, normals)
+}

@@ -1,0 +1,157 @@
+//! Seen: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
+
+use crate::optics::ray::{Ray, Surface, lift};
+use crate::optics::shading::bsdf::{Boundary, sample_d, specular_direction};
+use crate::optics::shading::roulette::Odds;
+use crate::packed::{CameraRay, Marks, PackedScene};
+use crate::sampling::rng::purpose::{DIMENSION_SEEN, STREAM_SEEN};
+use crate::sampling::rng::{random4, sequence_seed, sobol2};
+use crate::spectrum::{BANDS, Bands, mul, scale};
+use glam::Vec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+/// Camera paths: one for this many pixels, between these.
+const PIXELS_PER_PATH: usize = 4;
+const PATHS: [usize; 2] = [1 << 12, 1 << 14];
+/// Longest specular chain that is followed.
+pub(in crate::plan) const CHAIN: u32 = 12;
+/// A cell is at least this many spacings of camera paths wide: surfaces seen at grazing angles have no holes.
+const SPACINGS: f32 = 4.0;
+/// Marked cells are at least this many of the widest spacings wide.
+const GAP: f32 = 2.0;
+/// A surface counts as facing along an axis from this cosine on; each faces along one at least.
+const FACING: f32 = 0.5;
+
+/// A place where a camera path meets its first diffuse surface.
+pub(in crate::plan) struct SeenPoint {
+    /// The place, lifted off the surface.
+    pub(in crate::plan) origin: Vec3,
+    /// Shading normal on the side that is seen.
+    pub(in crate::plan) normal: Vec3,
+    position: Vec3,
+    geometric: Vec3,
+    /// Length of the path.
+    length: f32,
+}
+
+/// Cells in which gather points lie: level and place, and along which of the six axes surfaces face there.
+pub(in crate::plan) struct Seen {
+    cells: FxHashMap<[i32; 4], u8>,
+    /// Levels in use; a cell of level k is 2^k internal units wide.
+    levels: Vec<i32>,
+    points: Vec<SeenPoint>,
+    /// Camera paths, that ended somewhere or not.
+    paths: usize,
+}
+
+/// Bits of the axes that a normal looks along.
+fn facing(normal: Vec3) -> u8 {
+    (0..6)
+        .filter(|&i| {
+            let along = normal[i / 2];
+            (if i % 2 == 0 { along } else { -along }) > FACING
+        })
+        .fold(0, |bits, i| bits | 1 << i)
+}
+
+fn cell(position: Vec3, level: i32) -> [i32; 4] {
+    let [x, y, z] = (position * (-level as f32).exp2()).floor().as_ivec3().to_array();
+    [level, x, y, z]
+}
+
+impl Seen {
+    /// Look at the scene through its camera.
+    pub(in crate::plan) fn look(scene: &PackedScene, seed: u32) -> Self {
+        let paths = (scene.pixels() / PIXELS_PER_PATH).clamp(PATHS[0], PATHS[1]);
+        let spacing = scene.pixel_angle() * (scene.pixels() as f32 / paths as f32).sqrt();
+        let points: Vec<SeenPoint> =
+            (0..paths as u32).into_par_iter().filter_map(|i| gather_point(scene, seed, i)).collect();
+        let mut cells: FxHashMap<[i32; 4], u8> = FxHashMap::default();
+        for p in &points {
+            let level = (SPACINGS * spacing * p.length).max(f32::MIN_POSITIVE).log2().ceil() as i32;
+            let half = 0.5 * (level as f32).exp2();
+            // all cells that a cube of one cell's size about the point touches
+            for corner in 0..8u32 {
+                let sign = |bit: u32| if corner >> bit & 1 == 0 { -half } else { half };
+                let at = cell(p.position + Vec3::new(sign(0), sign(1), sign(2)), level);
+                *cells.entry(at).or_default() |= facing(p.geometric);
+            }
+        }
+        let mut levels: Vec<i32> = cells.keys().map(|c| c[0]).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        Self { cells, levels, points, paths }
+    }
+
+    /// True where the camera sees nothing diffuse.
+    pub(in crate::plan) fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// Where camera paths ended on diffuse surfaces.
+    pub(in crate::plan) fn points(&self) -> &[SeenPoint] {
+        &self.points
+    }
+
+    /// The cells within `radius` of where the camera looks, or wider where its paths leave gaps.
+    pub(in crate::plan) fn marks(&self, scene: &PackedScene, radius: f32) -> Marks {
+        let farthest = self.points.iter().map(|p| p.length).fold(0.0, f32::max);
+        let gap = GAP * scene.pixel_angle() * (scene.pixels() as f32 / self.paths as f32).sqrt() * farthest;
+        Marks::new(scene.bounds[0], radius.max(gap), self.points.iter().map(|p| p.position))
+    }
+
+    /// Part of the image that sees a diffuse surface, directly or through specular ones.
+    pub(in crate::plan) fn share(&self) -> f64 {
+        self.points.len() as f64 / self.paths as f64
+    }
+
+    /// Width of the smallest cell about a place whose gather points face alike; none where the camera does not look.
+    pub(in crate::plan) fn width(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        let holds = |&&level: &&i32| {
+            self.cells.get(&cell(position, level)).is_some_and(|bits| bits & facing(normal) != 0)
+        };
+        self.levels.iter().find(holds).map(|&level| (level as f32).exp2())
+    }
+}
+
+/// Where camera path `number` ends.
+fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint> {
+    let CameraRay { origin, direction, travelled: mut length } =
+        scene.camera.ray(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
+    let mut ray = Ray::new(origin, direction);
+    for event in 0..CHAIN {
+        let s = Surface::hit(scene, &ray)?;
+        length += s.distance;
+        if s.flags().has_diffuse() {
+            return Some(SeenPoint {
+                origin: lift(s.position, s.ng, s.triangle),
+                normal: s.ns,
+                position: s.position,
+                geometric: s.ng,
+                length,
+            });
+        }
+        let u = random4(seed, 0, number, DIMENSION_SEEN + event);
+        ray = step(&s, &[1.0; BANDS], event, u).filter(|(is_d, _)| !is_d)?.1.0;
+    }
+    None
+}
+
+/// An event at a surface: whether it was a D event, the ray that goes on, and its flux. None where there is none.
+pub(in crate::plan) fn step(
+    s: &Surface,
+    flux: &Bands,
+    event: u32,
+    [u_way, u0, u1, u_lobe]: [f32; 4],
+) -> Option<(bool, (Ray, Bands))> {
+    let boundary = s.flags().is_dielectric().then(|| Boundary::at(s));
+    let odds = Odds::new(s, boundary.as_ref(), flux, event);
+    let way = odds.choose(u_way)?;
+    let leaving = match way {
+        0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1])?,
+        _ => specular_direction(s, boundary.as_ref(), way == 2, [u0, u1])?,
+    };
+    let (reflectance, probability) = odds.ways[way];
+    Some((way == 0, (s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability))))
+}

@@ -1,0 +1,419 @@
+//! Halves: the passes of a render in two halves, and what these tell of its error without a reference [E16, E18].
+//!
+//! Noise shows in the difference of the halves. Blur shows in how the estimates change with their radius from pass to
+//! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
+//! square is the product of both halves' biases, so that their noise adds nothing to it on average.
+
+use crate::film::tile_schedule::{Rest, Run};
+use crate::film::{Film, LAYERS, Layer, Picture, RELATIVE_OFFSET, SAMPLES_MAX};
+use crate::spectrum::BANDS;
+use rayon::prelude::*;
+
+/// Blocks across and down whose spread tells how sure the squared bias is.
+const BLOCKS: usize = 8;
+/// Least spread of the squared radius over a half's passes, relative to its mean, that a line is put through.
+const SPREAD_MIN: f64 = 1e-3;
+
+/// Factor on the squared noise: it is estimated, not known, and what is rare may not have shown yet.
+const NOISE_SAFETY: f64 = 2.0;
+/// Factor on the squared bias: at an edge of light it grows more slowly than the squared radius, and a line sees part of it.
+const BIAS_SAFETY: f64 = 4.0;
+
+/// Up to so many passes the mean is taken for the pixel's brightness, and bias for noise; of more, less and less. A lamp
+/// that fills a tenth of a pixel is often seen by one half alone, and a line through two passes goes anywhere.
+const TRUSTING_PASSES: f64 = 8.0;
+
+/// The pixels that tell the error: all, or a lattice of a large image.
+#[derive(Debug, Clone, Copy)]
+struct Lattice {
+    /// Pixels of the image across.
+    width: usize,
+    /// Pixels from one to the next, across and down.
+    step: usize,
+    /// Pixels of the lattice across and down.
+    size: [usize; 2],
+}
+
+impl Lattice {
+    /// The finest of at most `most` pixels.
+    fn new(size: [u32; 2], most: u64) -> Self {
+        let [width, height] = size.map(|n| n as usize);
+        let of = |step: usize| [width.div_ceil(step), height.div_ceil(step)];
+        let mut step = 1;
+        while of(step).iter().map(|n| *n as u64).product::<u64>() > most.max(1) {
+            step += 1;
+        }
+        Self { width, step, size: of(step) }
+    }
+
+    fn len(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
+    /// The pixel of the image.
+    fn pixel(&self, sample: usize) -> usize {
+        let [across, _] = self.size;
+        sample / across * self.step * self.width + sample % across * self.step
+    }
+
+    /// Those in a run: for each row the first of them, and the first and the end of the pixels in the image.
+    fn rows<'a>(&'a self, run: &'a Run) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + 'a {
+        let first = run.columns.start.next_multiple_of(self.step);
+        let rows = run.rows.clone().filter(move |y| y.is_multiple_of(self.step) && first < run.columns.end);
+        rows.map(move |y| {
+            let pixels = y * self.width + first..y * self.width + run.columns.end;
+            (y / self.step * self.size[0] + first / self.step, pixels)
+        })
+    }
+}
+
+/// The passes of a render, and parts of them.
+#[derive(Debug, Clone)]
+pub(crate) struct Halves {
+    /// All passes.
+    film: Film,
+    /// The pixels of `early` and `lines`.
+    lattice: Lattice,
+    /// Sums of the whole radiance over the first [`Halves::early_passes`]. Empty before there are any.
+    early: Vec<[f64; BANDS]>,
+    /// The last power of two before the number of passes.
+    early_passes: u64,
+    /// Passes and error when `early` was renewed.
+    before: Option<(u64, ErrorEstimate)>,
+    lines: [Line; 2],
+}
+
+/// Relative errors, root mean square over pixels and bands.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ErrorEstimate {
+    /// A bound on all of it: √(2 noise² + 4 bias²), of the bias no more than there is noise: both fall alike.
+    pub total: f64,
+    /// What differs from seed to seed.
+    pub noise: f64,
+    /// What the radii blur, as far as it stands out of the noise.
+    pub bias: f64,
+}
+
+/// Sums over the passes of one half for the line through the radiance of the maps against their blur.
+#[derive(Debug, Clone, Default)]
+struct Line {
+    passes: f64,
+    /// Sums of the radiance of the maps, and of it times the blur.
+    radiance: Vec<[f64; BANDS]>,
+    blurred: Vec<[f64; BANDS]>,
+    /// Sums over the passes of the blur and of its square.
+    moments: [f64; 2],
+}
+
+impl Line {
+    fn add(
+        &mut self,
+        lattice: &Lattice,
+        passes: u64,
+        layers: &[Vec<[f32; BANDS]>; LAYERS],
+        blur: f64,
+        runs: &[Run],
+    ) {
+        self.radiance.resize(lattice.len(), [0.0; BANDS]);
+        self.blurred.resize(lattice.len(), [0.0; BANDS]);
+        for layer in [Layer::Caustic, Layer::Diffuse].map(|l| &layers[l as usize]) {
+            if layer.is_empty() {
+                continue;
+            }
+            for run in runs {
+                let weight = run.weight as f64;
+                for (first, pixels) in lattice.rows(run) {
+                    let sums = self.radiance[first..].iter_mut().zip(&mut self.blurred[first..]);
+                    for ((sum, blurred), l) in sums.zip(layer[pixels].iter().step_by(lattice.step)) {
+                        for b in 0..BANDS {
+                            let radiance = weight * f64::from(l[b]);
+                            sum[b] += radiance;
+                            blurred[b] += blur * radiance;
+                        }
+                    }
+                }
+            }
+        }
+        let n = passes as f64;
+        self.passes += n;
+        self.moments[0] += n * blur;
+        self.moments[1] += n * blur * blur;
+    }
+
+    /// Factors (p, q) such that p Σ bL − q Σ L is the slope of the line through radiance L against blur b; none where
+    /// nothing is blurred or all passes alike.
+    fn slope(&self) -> Option<[f64; 2]> {
+        let [b, bb] = self.moments;
+        let spread = bb - b * b / self.passes;
+        (b > 0.0 && spread > SPREAD_MIN * bb).then(|| [1.0 / spread, b / self.passes / spread])
+    }
+}
+
+impl Halves {
+    /// Nothing rendered yet.
+    pub(crate) fn new(size: [u32; 2]) -> Self {
+        Self::with_samples(size, SAMPLES_MAX)
+    }
+
+    /// With at most so many pixels that tell the error.
+    fn with_samples(size: [u32; 2], most: u64) -> Self {
+        Self {
+            film: Film::new(size[0], size[1]),
+            lattice: Lattice::new(size, most),
+            early: Vec::new(),
+            early_passes: 0,
+            before: None,
+            lines: Default::default(),
+        }
+    }
+
+    /// Add the sums of `passes` passes from pass `first` on, all of one [`run`]. `blur` is the mean over them of the maps'
+    /// squared radius, relative to the first pass; 0 without maps.
+    pub(crate) fn add(&mut self, first: u64, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
+        if first.is_power_of_two() {
+            self.before = self.error().map(|e| (first, e));
+            let samples = 0..self.lattice.len();
+            self.early = samples.map(|s| self.film.sum_of_layers(self.lattice.pixel(s))).collect();
+            self.early_passes = first;
+        }
+        if blur > 0.0 {
+            let runs = self.film.rest().runs(first, passes);
+            self.lines[half(first)].add(&self.lattice, passes, layers, blur, &runs);
+        }
+        self.film.add(passes, layers);
+    }
+
+    /// From here on these tiles rest.
+    pub(crate) fn set_rest(&mut self, rest: Rest) {
+        self.film.set_rest(rest);
+    }
+
+    /// All passes.
+    pub(crate) fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// The mean of all passes.
+    pub(crate) fn picture(&self) -> Picture {
+        self.film.picture()
+    }
+
+    /// The error of the mean of all passes; none before there are two. While the later passes are less than half as many as
+    /// the early ones, their difference says little, and noise falls from what it was.
+    pub(crate) fn error(&self) -> Option<ErrorEstimate> {
+        let passes = self.film.passes();
+        let early = self.early_passes;
+        if early == 0 {
+            return None;
+        }
+        let found = match self.before {
+            Some((n, before)) if 2 * (passes - early) < early => {
+                let part = (n as f64 / passes as f64).sqrt();
+                ErrorEstimate { total: before.total * part, noise: before.noise * part, bias: before.bias }
+            }
+            _ => self.measured_error(),
+        };
+        Some(found)
+    }
+
+    fn measured_error(&self) -> ErrorEstimate {
+        let all = self.film.passes() as f64;
+        let (a, b) = (self.early_passes as f64, all - self.early_passes as f64);
+        // Var(mean of all) = Var(difference of the parts' means) · ab/(a+b)²
+        let share = a * b / (all * all);
+        let slopes = self.lines.each_ref().map(Line::slope);
+        let mean_blur = self.lines.iter().map(|l| l.moments[0]).sum::<f64>() / all;
+        let trust = (TRUSTING_PASSES / all).min(1.0);
+        let [width, height] = self.lattice.size;
+        // noise and squared bias of each row, the latter by blocks across
+        let rows: Vec<(f64, [f64; BLOCKS])> = (0..height)
+            .into_par_iter()
+            .map(|y| {
+                let (mut noise, mut bias) = (0.0, [0.0; BLOCKS]);
+                for x in 0..width {
+                    let p = y * width + x;
+                    let (early, sum) = (self.early[p], self.film.sum_of_layers(self.lattice.pixel(p)));
+                    for i in 0..BANDS {
+                        let means = [early[i] / a, (sum[i] - early[i]) / b];
+                        let mean = sum[i] / all;
+                        let weight = trust / (mean * mean + RELATIVE_OFFSET)
+                            + (1.0 - trust) / (common_square(means[0], means[1]) + RELATIVE_OFFSET);
+                        noise += (means[0] - means[1]).powi(2) * share * weight;
+                        if let [Some(first), Some(second)] = slopes {
+                            let slope = |line: &Line, [p_factor, q_factor]: [f64; 2]| {
+                                p_factor * line.blurred[p][i] - q_factor * line.radiance[p][i]
+                            };
+                            // what a pixel has too much for the radii is slope times mean blur
+                            bias[x * BLOCKS / width] += slope(&self.lines[0], first)
+                                * slope(&self.lines[1], second)
+                                * mean_blur
+                                * mean_blur
+                                * weight;
+                        }
+                    }
+                }
+                (noise, bias)
+            })
+            .collect();
+        let mut blocks = [0.0; BLOCKS * BLOCKS];
+        for (y, (_, bias)) in rows.iter().enumerate() {
+            for (x, b) in bias.iter().enumerate() {
+                blocks[y * BLOCKS / height * BLOCKS + x] += b;
+            }
+        }
+        let values = (width * height * BANDS) as f64;
+        let noise_squared = rows.iter().map(|r| r.0).sum::<f64>() / values;
+        let bias_squared = credible(&blocks) / values;
+        let believed = ((1.0 - trust) * bias_squared).min(noise_squared);
+        ErrorEstimate {
+            total: (NOISE_SAFETY * noise_squared + BIAS_SAFETY * believed).sqrt(),
+            noise: noise_squared.sqrt(),
+            bias: bias_squared.sqrt(),
+        }
+    }
+}
+
+/// The line that a pass belongs to, from its first bit after the leading one: 0 | 1 | 2 | 3 | 4 5 | 6 7 | 8 9 10 11 | 12 …
+/// Both have passes of all radii, and runs of them, which are spread evenly over the Sobol sequences.
+fn half(pass: u64) -> usize {
+    match pass {
+        0 | 1 => pass as usize,
+        _ => (pass >> (pass.ilog2() - 1) & 1) as usize,
+    }
+}
+
+/// Passes from `pass` on, itself among them, that belong to one line; none reaches over a power of two.
+pub(crate) fn run(pass: u64) -> u64 {
+    let length = if pass < 2 { 1 } else { 1 << (pass.ilog2() - 1) };
+    length - pass % length
+}
+
+/// The square of what both halves have seen: the harmonic mean of their squares. What only one has seen is an error of a
+/// dark pixel, not a bright pixel.
+fn common_square(a: f64, b: f64) -> f64 {
+    let [a, b] = [a, b].map(|x| x.max(0.0).powi(2));
+    if a + b > 0.0 { 2.0 * a * b / (a + b) } else { 0.0 }
+}
+
+/// The sum of parts that each are noisy, as far as it is credible: S · S²/(S² + its variance), 0 below 0.
+fn credible(parts: &[f64]) -> f64 {
+    let n = parts.len() as f64;
+    let sum: f64 = parts.iter().sum();
+    let variance = parts.iter().map(|p| (p - sum / n).powi(2)).sum::<f64>() * n / (n - 1.0);
+    if sum <= 0.0 { 0.0 } else { sum * sum * sum / (sum * sum + variance) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::rng::random4;
+
+    const SIZE: [u32; 2] = [40, 40];
+    const PIXELS: usize = 1600;
+
+    /// The halves after `passes` passes in which each pixel of the diffuse layer has the radiance `at(pass, pixel)`.
+    fn after(passes: u64, blur: impl Fn(u64) -> f64, at: impl Fn(u64, usize) -> f64) -> Halves {
+        sampled(Halves::new(SIZE), passes, blur, at)
+    }
+
+    /// The same of halves that are given.
+    fn sampled(
+        mut halves: Halves,
+        passes: u64,
+        blur: impl Fn(u64) -> f64,
+        at: impl Fn(u64, usize) -> f64,
+    ) -> Halves {
+        for pass in 0..passes {
+            let mut layers: [Vec<[f32; BANDS]>; LAYERS] = std::array::from_fn(|_| vec![[0.0; BANDS]; PIXELS]);
+            for (p, value) in layers[Layer::Diffuse as usize].iter_mut().enumerate() {
+                *value = [at(pass, p) as f32; BANDS];
+            }
+            halves.add(pass, 1, &layers, blur(pass));
+        }
+        halves
+    }
+
+    /// Uniform in −1 to 1: variance 1/3.
+    fn uniform(pass: u64, pixel: usize) -> f64 {
+        2.0 * f64::from(random4(5, pass as u32, pixel as u32, 0)[0]) - 1.0
+    }
+
+    /// Independent noise is told to 5 %, and bounded by √2 of it; no bias is seen in it.
+    #[test]
+    fn noise_of_the_mean_is_found() {
+        for passes in [4, 5, 7, 16, 70, 100] {
+            let e = after(passes, |_| 1.0, |n, p| 2.0 + 0.1 * uniform(n, p)).error().expect("two halves");
+            let truth = 0.1 / (3.0 * passes as f64 * (4.0 + RELATIVE_OFFSET)).sqrt();
+            assert!((e.noise / truth - 1.0).abs() < 0.05, "{passes} passes: {e:?}, truth {truth}");
+            assert!((e.total / e.noise - NOISE_SAFETY.sqrt()).abs() < 1e-9, "{e:?}");
+        }
+    }
+
+    /// Large images tell their error by a lattice of pixels, each of which is at its place: a gradient across and down is seen as it
+    /// is, noise to 15 % of a ninth of the pixels, and the picture is whole.
+    #[test]
+    fn some_pixels_tell_the_error_of_all() {
+        let at = |n: u64, p: usize| 1.0 + p as f64 / 200.0 + 0.1 * uniform(n, p);
+        for (most, step) in [(1600, 1), (1599, 2), (400, 2), (399, 3), (196, 3)] {
+            let halves = sampled(Halves::with_samples(SIZE, most), 16, |_| 1.0, at);
+            let lattice = halves.lattice;
+            assert_eq!((lattice.step, halves.early.len()), (step, 40usize.div_ceil(step).pow(2)));
+            for (sample, early) in halves.early.iter().enumerate() {
+                let mean = early[0] / halves.early_passes as f64;
+                let wanted = 1.0 + lattice.pixel(sample) as f64 / 200.0;
+                assert!((mean - wanted).abs() < 0.11, "sample {sample}, step {step}: {mean}, {wanted}");
+                let line = halves.lines.iter().map(|l| l.radiance[sample][0]).sum::<f64>() / 16.0;
+                assert!((line - wanted).abs() < 0.11, "sample {sample}, step {step}: {line}, {wanted}");
+            }
+            assert_eq!(halves.picture().whole, sampled(Halves::new(SIZE), 16, |_| 1.0, at).picture().whole);
+            let even = |n: u64, p: usize| 2.0 + 0.1 * uniform(n, p);
+            let halves = sampled(Halves::with_samples(SIZE, most), 16, |_| 1.0, even);
+            let noise = halves.error().expect("two halves").noise;
+            let truth = 0.1 / (3.0 * 16.0 * (4.0 + RELATIVE_OFFSET)).sqrt();
+            assert!((noise / truth - 1.0).abs() < 0.15, "{noise} {truth}");
+        }
+    }
+
+    /// What grows with the squared radius is bias, to 5 % where it stands out of the noise.
+    #[test]
+    fn blur_is_found() {
+        let blur = |pass: u64| ((pass + 1) as f64).powf(-1.0 / 3.0);
+        let passes = 256;
+        let mean_blur = (0..passes).map(blur).sum::<f64>() / passes as f64;
+        for noise in [0.0, 0.1] {
+            let halves = after(passes, blur, |n, p| 2.0 - 0.3 * blur(n) + noise * uniform(n, p));
+            let e = halves.error().expect("two halves");
+            let truth = 0.3 * mean_blur / (2.0 - 0.3 * mean_blur);
+            assert!((e.bias / truth - 1.0).abs() < 0.05, "{e:?}, truth {truth}");
+        }
+        // drowned in noise it is not made up
+        let e = after(passes, blur, |n, p| 2.0 + uniform(n, p)).error().expect("two halves");
+        assert!(e.bias < 0.5 * e.noise, "{e:?}");
+    }
+
+    /// One pixel in 1600, dark, that a single pass in 128 finds bright: the error of the mean is bounded, though the mean
+    /// itself is bright. (Of unequal halves the larger one, seen alone, tells a little less.)
+    #[test]
+    fn what_one_pass_alone_has_seen_is_an_error() {
+        let e = after(128, |_| 0.0, |n, p| if (n, p) == (37, 800) { 64.0 } else { 0.0 });
+        let e = e.error().expect("two halves");
+        let truth = (0.5f64.powi(2) / RELATIVE_OFFSET / PIXELS as f64).sqrt();
+        assert!(e.total > truth && e.total < 3.0 * truth, "{e:?}, truth {truth}");
+    }
+
+    /// Halves are equally many at powers of two, and never more than twice as many as the other.
+    #[test]
+    fn halves_are_halves() {
+        let mut counts = [0u64; 2];
+        for pass in 0..4096u64 {
+            counts[half(pass)] += 1;
+            assert!((pass..pass + run(pass)).all(|p| half(p) == half(pass)), "{pass}");
+            assert_ne!(half(pass + run(pass)), half(pass), "{pass}");
+            let n = pass + 1;
+            if n.is_power_of_two() && n > 1 {
+                assert_eq!(counts[0], counts[1], "{n}");
+            }
+            assert!(n < 2 || counts[0] <= 2 * counts[1], "{n}: {counts:?}");
+        }
+    }
+}
