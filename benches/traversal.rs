@@ -121,9 +121,9 @@ fn on_device(
 ) -> joton::Result<()> {
     let file = if joton::backend::gpu::harness::is_small(context, scene) { "scene_small" } else { "scene" };
     let text = format!(
-        "// import: shared/{file}.wgsl
-// import: shared/intersect.wgsl
-// import: shared/index.wgsl
+        "// import: {file}
+// import: accel/intersect.wgsl
+// import: dispatch/index.wgsl
          @group(1) @binding(0) var<storage, read> rays: array<vec4<f32>>;
          @group(1) @binding(1) var<storage, read_write> hits: array<u32>;
          @compute @workgroup_size(64)

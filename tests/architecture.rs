@@ -364,7 +364,7 @@ fn untold(text: &str) -> Vec<String> {
 fn kernels_tell_what_they_read_and_write() {
     let mut kernels = 0;
     for file in files(&root().join("shaders"), "wgsl") {
-        if file.parent().is_some_and(|p| p.ends_with("shared")) {
+        if !file.parent().is_some_and(|p| p.ends_with("passes")) {
             continue;
         }
         kernels += 1;

@@ -41,7 +41,7 @@ macro_rules! for_every_struct {
             layout::MapInfo,
             layout::GatherPoint,
             layout::Joton,
-            layout::Lane,
+            layout::PathState,
             layout::LaneTally,
             layout::AreaPoint,
             layout::Fit,

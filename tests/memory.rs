@@ -8,7 +8,7 @@ use joton::Error;
 use joton::backend::gpu::{Context, GpuBackend};
 use joton::backend::{Backend, Batch};
 use joton::estimators::maps::MapKind;
-use joton::estimators::split_paths::{Glints, Light, Look};
+use joton::estimators::split_paths::{Light, Look, SplitPaths};
 use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer};
 use joton::packed::PackedScene;
@@ -171,7 +171,7 @@ fn told_work_is_done() {
         let all = in_touched_cells(&points, AREA_KEY_BITS);
         println!("{name}: {cut:.2} of the discs are cut");
         // those that are whole are not measured, but where points are too few to tell
-        let told = tests("boundary");
+        let told = tests("kernel_correction");
         assert!((0.5 * cut * all..2.0 * all).contains(&told), "{name}: {told} of {all}, {cut} cut");
     }
 }
@@ -248,13 +248,13 @@ fn crowded_trees_take_turns() {
             Look { light, branched: false, square: if is_lit { 1e3 } else { 0.0 }, squared_mean: 0.0 }
         })
         .collect();
-    let glints = Glints::mark(SIZE, &looks, &[]);
+    let glints = SplitPaths::mark(SIZE, &looks, &[]);
     let strip = 8 * SIZE[0]..16 * SIZE[0];
     let trees: f32 = strip.map(|pixel| glints.trees_a_pass(pixel as usize)).sum();
     let room = cut.memory().iter().find(|(name, _)| *name == "glints").expect("a buffer").1 / 4;
     assert!(trees > room as f32, "{trees} trees, room for {room}: nothing takes turns");
     for backend in [&mut whole, &mut cut] {
-        backend.set_glints(glints.clone()).unwrap_or_else(|e| panic!("{e}"));
+        backend.set_split_paths(glints.clone()).unwrap_or_else(|e| panic!("{e}"));
     }
     for (first, count) in [(0, 1), (1, 2)] {
         let [a, b] = [&mut whole, &mut cut].map(|b| b.render(first, count).unwrap_or_else(|e| panic!("{e}")));

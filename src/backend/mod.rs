@@ -4,8 +4,8 @@ pub mod cpu;
 pub mod gpu;
 
 use crate::error::Result;
-use crate::estimators::split_paths::Glints;
-use crate::film::tile_schedule::Rest;
+use crate::estimators::split_paths::SplitPaths;
+use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
 use crate::spectrum::{BANDS, Bands};
 use std::cell::Cell;
@@ -55,13 +55,13 @@ pub trait Backend {
 
     /// From now on tiles rest as told: a batch holds the sums of the passes that each takes part in. False where the backend
     /// does not do that; then it renders everything.
-    fn rest(&mut self, rest: &Rest) -> bool {
+    fn rest(&mut self, rest: &TileSchedule) -> bool {
         let _ = rest;
         false
     }
 
     /// The pixels in which trees look for emission, from the first batch on; none where that is not done.
-    fn glints(&self) -> Option<&Glints> {
+    fn split_paths(&self) -> Option<&SplitPaths> {
         None
     }
 
@@ -69,7 +69,7 @@ pub trait Backend {
     ///
     /// # Errors
     /// [`crate::Error::Device`] where the device fails.
-    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+    fn set_split_paths(&mut self, glints: SplitPaths) -> Result<()> {
         let _ = glints;
         Ok(())
     }

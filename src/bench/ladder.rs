@@ -8,7 +8,7 @@ use crate::output::compare::compare;
 use crate::spectrum::BANDS;
 
 /// How a picture came about.
-pub(super) struct Seen {
+pub(super) struct PictureRun {
     /// The device's or renderer's own words.
     pub(super) device_name: String,
     /// Seed of the random numbers.
@@ -44,7 +44,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// Add the picture of the step with this index; its row.
-    pub(super) fn add(&mut self, step: usize, seen: Seen, image: &Image) -> Result<&Row> {
+    pub(super) fn add(&mut self, step: usize, seen: PictureRun, image: &Image) -> Result<&Row> {
         let comparison = self.subject.reference.map(|r| compare(image, r)).transpose()?;
         self.spreads[step].add(image);
         self.rows.push(Row {

@@ -1,6 +1,6 @@
 //! Run: render with each seed and look at the picture at every step of a ladder of times.
 
-use super::ladder::{Ladder, Seen};
+use super::ladder::{Ladder, PictureRun};
 use super::subject::Subject;
 use super::{KernelRow, Row, Summary};
 use crate::backend::Backend;
@@ -56,7 +56,7 @@ fn climb(
                 return true;
             }
             steps_done = reached;
-            let seen = Seen {
+            let seen = PictureRun {
                 device_name: device_name.clone(),
                 seed,
                 seconds: progress.seconds,

@@ -1,4 +1,4 @@
-//! Glints: the pixels whose emission (E S* L) camera trees look for besides the eye path, and how many of them a pass
+//! SplitPaths: the pixels whose emission (E S* L) camera trees look for besides the eye path, and how many of them a pass
 //! follows [E25]. A pilot marks them; what the passes see makes trees more where a pixel's emission is noisy.
 
 use crate::film::neighbours::around;
@@ -50,7 +50,7 @@ pub struct Look {
 
 /// How many trees each pixel has in a pass.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Glints {
+pub struct SplitPaths {
     size: [u32; 2],
     /// 0: none, [`GLINT_TURNS`]: one in `turns` passes, from [`FEWEST`] on [`GLINT_TREES`], doubled with each level.
     levels: Vec<u8>,
@@ -63,7 +63,7 @@ const NONE: u8 = 0;
 const NOW_AND_THEN: u8 = GLINT_TURNS as u8;
 const FEWEST: u8 = NOW_AND_THEN + 1;
 
-impl Glints {
+impl SplitPaths {
     /// What a pilot's looks mark: pixels that see light in some of their trees, or see something else than a neighbour
     /// does. Pixels inside a lamp, and far from any, are not; where there may be light behind glass, one looks now and then.
     /// In and about `lamp_images`, pixels where the plan has found images of lamps from the lamps' side, there are as many
@@ -148,7 +148,7 @@ impl Glints {
         List { trees, always, turns }
     }
 
-    /// As many trees as these levels say, but no more than [`Glints::most`] together: the highest levels give way. Where even the
+    /// As many trees as these levels say, but no more than [`SplitPaths::most`] together: the highest levels give way. Where even the
     /// fewest for each are too many, pixels of the highest levels come first.
     fn limited(&self, wanted: &[u8]) -> Vec<u8> {
         let with = |highest: u8| -> Vec<u8> {
@@ -175,7 +175,7 @@ impl Glints {
     }
 
     /// Where another device has found more so far, as many as it has: a render goes on with trees that did not grow before.
-    pub(crate) fn joined(&self, other: &Glints) -> Glints {
+    pub(crate) fn joined(&self, other: &SplitPaths) -> SplitPaths {
         Self { size: self.size, turns: self.turns, levels: self.limited(&other.levels) }
     }
 
@@ -184,7 +184,7 @@ impl Glints {
         pixels * u64::from(GLINT_TREES)
     }
 
-    /// The pass of [`Glints::turns`] in which a pixel has its tree.
+    /// The pass of [`SplitPaths::turns`] in which a pixel has its tree.
     fn turn(&self, pixel: u32, seed: u32) -> u32 {
         sequence_seed(seed, pixel, STREAM_TURN) % self.turns
     }
@@ -256,7 +256,7 @@ impl Watch {
     }
 
     /// Look at the emission of `passes` passes, summed.
-    pub(crate) fn watch(&mut self, passes: u64, emission: &[Bands], glints: &Glints) {
+    pub(crate) fn watch(&mut self, passes: u64, emission: &[Bands], glints: &SplitPaths) {
         self.batches += 1;
         let passes = passes as f32;
         self.passes += passes;
@@ -275,7 +275,7 @@ impl Watch {
     }
 
     /// More trees where emission varies, by what all passes saw.
-    pub(crate) fn grown(&self, glints: &Glints, film: &Film) -> Glints {
+    pub(crate) fn grown(&self, glints: &SplitPaths, film: &Film) -> SplitPaths {
         let passes = film.passes() as f32;
         // of one tree: a batch's mean varies the less the more trees it has
         let seen = (self.batches - 1).max(1) as f32;
@@ -291,7 +291,7 @@ impl Watch {
             worth(found[pixel].max(near / NEIGHBOURS))
         };
         let wanted: Vec<u8> = (0..found.len()).into_par_iter().map(wanted).collect();
-        Glints { size: glints.size, turns: glints.turns, levels: glints.limited(&wanted) }
+        SplitPaths { size: glints.size, turns: glints.turns, levels: glints.limited(&wanted) }
     }
 }
 
@@ -310,16 +310,16 @@ mod tests {
     }
 
     /// Nothing but D surfaces, but for one pixel that sees a light in part and a column that sees glass.
-    fn marked() -> Glints {
+    fn marked() -> SplitPaths {
         let mut looks = vec![look(Light::Nowhere, false); PIXELS];
         looks[MIDDLE] = look(Light::InPart, true);
         (0..10).for_each(|y| looks[y * 12] = look(Light::Nowhere, true));
-        Glints::mark(SIZE, &looks, &[])
+        SplitPaths::mark(SIZE, &looks, &[])
     }
 
     /// The emission that `at` says for each pass and pixel, watched for `passes` passes of one each, and what it makes of
     /// the glints.
-    fn after(passes: u64, glints: &Glints, at: impl Fn(u64, usize) -> f32) -> Glints {
+    fn after(passes: u64, glints: &SplitPaths, at: impl Fn(u64, usize) -> f32) -> SplitPaths {
         let (mut watch, mut film) = (Watch::new(SIZE), Film::new(SIZE[0], SIZE[1]));
         for pass in 0..passes {
             let mut layers: [Vec<Bands>; LAYERS] = Default::default();
@@ -353,7 +353,7 @@ mod tests {
     fn no_tree_comes_twice() {
         let few = marked();
         let more = few.limited(&[FEWEST + 3; PIXELS]);
-        let more = Glints { levels: more, ..few.clone() };
+        let more = SplitPaths { levels: more, ..few.clone() };
         for pixel in [0, MIDDLE as u32, 12, 24, 36] {
             for grows_at in [2, 4, 16] {
                 let (mut seen, mut count) = (BTreeSet::new(), 0);
@@ -407,7 +407,7 @@ mod tests {
     /// A dot makes its pixel's trees many and those of its neighbours some; steady light, however bright, makes none.
     #[test]
     fn trees_grow_where_emission_is_noisy() {
-        let none = Glints::mark(SIZE, &[look(Light::Nowhere, false); PIXELS], &[]);
+        let none = SplitPaths::mark(SIZE, &[look(Light::Nowhere, false); PIXELS], &[]);
         let grown = after(4, &none, |pass, pixel| match pixel {
             MIDDLE if pass == 2 => 8.0,
             5 => 1e4,
@@ -438,7 +438,7 @@ mod tests {
         let few = marked();
         let noisy = after(4, &few, |pass, _| if pass == 1 { 50.0 } else { 0.0 });
         let total: u64 = noisy.levels.iter().map(|l| u64::from(trees_of(*l))).sum();
-        assert!(total <= Glints::most(PIXELS as u64), "{total}");
+        assert!(total <= SplitPaths::most(PIXELS as u64), "{total}");
         assert!(noisy.levels.iter().zip(&few.levels).all(|(now, before)| now >= before));
         assert_ne!(noisy, few);
     }

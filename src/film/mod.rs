@@ -6,7 +6,7 @@ pub mod stats;
 pub mod tile_schedule;
 
 use crate::error::{Error, Result};
-use crate::film::tile_schedule::Rest;
+use crate::film::tile_schedule::TileSchedule;
 use crate::spectrum::{BANDS, Bands};
 
 /// Bytes of a pixel of a layer: its sum, the last sample where it rests, and a batch of it, whose place the picture takes.
@@ -113,7 +113,7 @@ pub struct Film {
     height: u32,
     passes: u64,
     sums: [Vec<[f64; BANDS]>; LAYERS],
-    rest: Rest,
+    rest: TileSchedule,
     /// The last sample of the pixels whose block is longer than a batch; empty before there are any. `sums` has it as often
     /// as its block has passes, those to come among them.
     last: [Vec<Bands>; LAYERS],
@@ -128,7 +128,7 @@ impl Film {
             height,
             passes: 0,
             sums: std::array::from_fn(|_| vec![[0.0; BANDS]; n]),
-            rest: Rest::none([width, height]),
+            rest: TileSchedule::none([width, height]),
             last: Default::default(),
         }
     }
@@ -144,12 +144,12 @@ impl Film {
     }
 
     /// Who rests.
-    pub fn rest(&self) -> &Rest {
+    pub fn rest(&self) -> &TileSchedule {
         &self.rest
     }
 
     /// From here on these tiles rest. No block of those that do now is open.
-    pub fn set_rest(&mut self, rest: Rest) {
+    pub fn set_rest(&mut self, rest: TileSchedule) {
         if !rest.is_none() && self.last[0].is_empty() {
             self.last = std::array::from_fn(|_| vec![[0.0; BANDS]; self.sums[0].len()]);
         }

@@ -1,4 +1,4 @@
-//! Rest: which tiles of the image take part in a pass, and how many passes they stand for when they do [E21].
+//! TileSchedule: which tiles of the image take part in a pass, and how many passes they stand for when they do [E21].
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ pub const EXPONENT_MAX: u32 = 4;
 /// How often each tile takes part: in the passes that are multiples of 2^k, each of which stands for the 2^k passes that
 /// it begins. Set between batches, from what earlier passes saw; k grows at powers of two of passes only.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Rest {
+pub struct TileSchedule {
     size: [u32; 2],
     /// k of each tile, row by row.
     exponents: Vec<u8>,
@@ -37,7 +37,7 @@ impl Run {
     }
 }
 
-impl Rest {
+impl TileSchedule {
     /// Every tile takes part in every pass.
     pub fn none(size: [u32; 2]) -> Self {
         let [across, down] = size.map(|n| n.div_ceil(TILE) as usize);
@@ -165,8 +165,8 @@ mod tests {
     use super::*;
 
     /// 20 × 12 pixels: tiles of 8, 8 and 4 columns, 8 and 4 rows.
-    fn mixed() -> Rest {
-        Rest::new([20, 12], vec![0, 2, 2, 4, 0, 0])
+    fn mixed() -> TileSchedule {
+        TileSchedule::new([20, 12], vec![0, 2, 2, 4, 0, 0])
     }
 
     /// Whatever the tiles, every pass is stood for once: up to any pass the samples' weights less what is pending are the
@@ -177,7 +177,7 @@ mod tests {
         for passes in 16..80u64 {
             for (tile, k) in rest.exponents().iter().enumerate() {
                 let weight = rest.samples(tile, 0, passes) << k;
-                assert_eq!(weight - Rest::pending(*k, passes), passes, "tile {tile}");
+                assert_eq!(weight - TileSchedule::pending(*k, passes), passes, "tile {tile}");
                 let live = (0..passes).filter(|p| rest.is_live(tile, *p)).count() as u64;
                 assert_eq!(rest.samples(tile, 0, 5) + rest.samples(tile, 5, passes - 5), live, "tile {tile}");
             }
@@ -224,8 +224,8 @@ mod tests {
             }
         }
         assert_eq!(rest.runs(1, 1).len(), 2, "neighbours that are alike are one run");
-        assert!(Rest::none([20, 12]).is_none() && !rest.is_none());
-        assert_eq!(Rest::new([20, 12], vec![1; 6]).rows(3, 1), 0..0);
-        assert_eq!(Rest::new([20, 12], vec![1, 1, 1, 1, 0, 1]).rows(3, 1), 8..12);
+        assert!(TileSchedule::none([20, 12]).is_none() && !rest.is_none());
+        assert_eq!(TileSchedule::new([20, 12], vec![1; 6]).rows(3, 1), 0..0);
+        assert_eq!(TileSchedule::new([20, 12], vec![1, 1, 1, 1, 0, 1]).rows(3, 1), 8..12);
     }
 }

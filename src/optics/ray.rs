@@ -22,7 +22,7 @@ impl Ray {
 
 /// Where a ray met a triangle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Surface<'a> {
+pub(crate) struct SurfaceInteraction<'a> {
     /// The point, internal units; from the vertices, so it lies in the triangle's plane.
     pub(crate) position: Vec3,
     /// Unit vector back along the ray.
@@ -41,7 +41,7 @@ pub(crate) struct Surface<'a> {
     pub(crate) material: &'a PackedMaterial,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> SurfaceInteraction<'a> {
     /// What `ray` meets first.
     pub(crate) fn hit(scene: &'a PackedScene, ray: &Ray) -> Option<Self> {
         let hit = scene.bvh.closest_from_within(
@@ -169,7 +169,8 @@ mod tests {
     fn rays_leave_a_surface_without_meeting_it_again() {
         let scene = cut_cube();
         for i in 0..200_000 {
-            let s = Surface::hit(&scene, &Ray::new(Vec3::ZERO, sphere(sobol2(i, 1)))).expect("a closed body");
+            let s = SurfaceInteraction::hit(&scene, &Ray::new(Vec3::ZERO, sphere(sobol2(i, 1))))
+                .expect("a closed body");
             let d = sphere(sobol2(i, 2));
             // from inside the front is out; every third ray grazes
             let out = -s.ng;
@@ -181,9 +182,12 @@ mod tests {
             for (how, ray) in
                 [("through", s.leave(d)), ("off", Ray::new(lift(s.position, out, s.triangle), d))]
             {
-                assert!(Surface::hit(&scene, &ray).is_none(), "{i}: a ray {how} the face meets it again");
+                assert!(
+                    SurfaceInteraction::hit(&scene, &ray).is_none(),
+                    "{i}: a ray {how} the face meets it again"
+                );
             }
-            let again = Surface::hit(&scene, &s.leave(-d)).expect("a closed body");
+            let again = SurfaceInteraction::hit(&scene, &s.leave(-d)).expect("a closed body");
             assert!(again.ng.dot(s.ng) < 0.99, "{i}: a ray inward meets the face that it left");
         }
     }

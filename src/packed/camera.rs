@@ -1,5 +1,5 @@
 //! The camera in internal units, and its rays, which keep their digits however far away it is. Twin:
-//! shaders/shared/camera.wgsl.
+//! shaders/camera/camera.wgsl.
 
 use crate::packed::layout::SCENE_RADIUS;
 use crate::scene::Camera;

@@ -211,7 +211,7 @@ gpu_struct! {
 
 gpu_struct! {
     /// A lane: one invocation that traces its jotons one after the other, over several dispatches.
-    pub struct Lane {
+    pub struct PathState {
         /// Origin of the next ray.
         pub origin: Vec3,
         /// Jotons that this lane has started.
@@ -325,7 +325,7 @@ pub mod status {
         counted(words, RAYS, RAYS_HIGH)
     }
 
-    /// A number of 64 bits in two slots. Twin: shaders/shared/count.wgsl.
+    /// A number of 64 bits in two slots. Twin: shaders/dispatch/count.wgsl.
     fn counted(words: &[u32], low: u32, high: u32) -> u64 {
         u64::from(words[high as usize]) << 32 | u64::from(words[low as usize])
     }
@@ -402,8 +402,8 @@ pub const UNSEEN_STORED: u32 = 8;
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
     use crate::packed::{
-        CLEAR, EmitterKind, FAR, LAMP, MARK_FACTORS, MARK_WORDS, MAX_WARPS, MaterialFlags, NO_EMITTER,
-        SMOOTH, WARP_BINS, WARP_WORDS, rank,
+        CLEAR, EmitterKind, FAR, LAMP, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, VISIBLE_CELL_FACTORS,
+        VISIBLE_CELL_WORDS, WARP_BINS, WARP_WORDS, rank,
     };
     use std::fmt::Write;
     let mut s = String::new();
@@ -431,10 +431,10 @@ pub fn constants() -> String {
     u("WARP_BINS", WARP_BINS as u32);
     u("WARP_VECTORS", (WARP_WORDS / 4) as u32);
     u("WARPS_VECTORS", (MAX_WARPS * WARP_WORDS / 4) as u32);
-    u("MARK_VECTORS", (MARK_WORDS / 4) as u32);
-    u("MARK_FACTOR_X", MARK_FACTORS[0]);
-    u("MARK_FACTOR_Y", MARK_FACTORS[1]);
-    u("MARK_FACTOR_Z", MARK_FACTORS[2]);
+    u("VISIBLE_CELL_VECTORS", (VISIBLE_CELL_WORDS / 4) as u32);
+    u("VISIBLE_CELL_FACTOR_X", VISIBLE_CELL_FACTORS[0]);
+    u("VISIBLE_CELL_FACTOR_Y", VISIBLE_CELL_FACTORS[1]);
+    u("VISIBLE_CELL_FACTOR_Z", VISIBLE_CELL_FACTORS[2]);
     u("UNSEEN_STORED", UNSEEN_STORED);
     u("BACK_SIDE", BACK_SIDE);
     u("GLINT_TURNS", GLINT_TURNS);
@@ -508,7 +508,7 @@ pub const CELLS_PER_RADIUS: f32 = 1.0;
 /// Factors of y and z in the number of a row's first bucket; see [`row_bucket`].
 pub const ROW_FACTORS: [u32; 2] = [0x9e37_79b1, 0x85eb_ca6b];
 
-/// First bucket of a row of cells. Twin: shaders/shared/grid.wgsl.
+/// First bucket of a row of cells. Twin: shaders/maps/grid.wgsl.
 pub fn row_bucket(y: i32, z: i32, row_mask: u32) -> u32 {
     let [fy, fz] = ROW_FACTORS;
     (y as u32).wrapping_mul(fy).wrapping_add((z as u32).wrapping_mul(fz)) & row_mask
@@ -539,7 +539,7 @@ pub fn declarations() -> String {
         MapInfo::WGSL,
         GatherPoint::WGSL,
         Joton::WGSL,
-        Lane::WGSL,
+        PathState::WGSL,
         LaneTally::WGSL,
         AreaPoint::WGSL,
         Fit::WGSL,

@@ -30,7 +30,7 @@ pub use surfaces::{
 };
 pub(crate) use surfaces::{rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
-pub use visible_cells::{MARK_FACTORS, MARK_WORDS, Marks};
+pub use visible_cells::{VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, VisibleCells};
 
 use crate::error::{Error, Result};
 use crate::packed::accel::Bvh;

@@ -69,7 +69,7 @@ impl Face for PackedTriangle {
         [self.v0, self.e1, self.e2]
     }
 
-    // twin: shaders/shared/crossing.wgsl
+    // twin: shaders/accel/crossing.wgsl
     fn rank(&self, is_front: bool) -> u32 {
         match (self.flags & CLEAR != 0, is_front) {
             (true, true) => rank::CLEAR_FRONT,

@@ -7,15 +7,15 @@ use super::strips::Strips;
 use super::traffic::Traffic;
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
-use crate::estimators::split_paths::{Glints, TREES_MAX};
+use crate::estimators::split_paths::{SplitPaths, TREES_MAX};
 use crate::film::{LAYERS, Layer, host_bytes};
 use crate::packed::layout::{
-    AreaPoint, Clip, Fit, GatherPoint, Joton, Lane, LaneTally, PathFilter, SMALL_EMITTERS, SMALL_MATERIALS,
-    SMALL_NODE_WORDS, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
+    AreaPoint, Clip, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, SMALL_EMITTERS,
+    SMALL_MATERIALS, SMALL_NODE_WORDS, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
 };
 use crate::packed::{
-    MARK_WORDS, MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target,
-    WARP_WORDS,
+    MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target,
+    VISIBLE_CELL_WORDS, WARP_WORDS,
 };
 
 /// A buffer of the device.
@@ -319,7 +319,7 @@ pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &DeviceLimits) -
         Buffer::new("path_filter", size_of::<PathFilter>() as u64, "the automaton of --paths"),
         Buffer::new("warps_caustic", warps, "learned directions of emission, caustic map"),
         Buffer::new("warps_diffuse", warps, "learned directions of emission, diffuse map"),
-        Buffer::new("marks", MARK_WORDS as u64 * WORD, "cells where the camera looks"),
+        Buffer::new("visible_cells", VISIBLE_CELL_WORDS as u64 * WORD, "cells where the camera looks"),
         Buffer::new("tiles", tiles_bytes(scene.size), "tiles, those that rest last"),
         Buffer::new("ring", RING_BYTES, "uniforms of a submission"),
     ]);
@@ -378,7 +378,7 @@ pub fn map_buffers(shapes: &[MapLayout], machine: &DeviceLimits) -> Vec<Buffer> 
     let tallies = lanes * size_of::<LaneTally>() as u64;
     let jotons = stored * size_of::<Joton>() as u64;
     let mut all = vec![
-        Buffer::new("lanes", lanes * size_of::<Lane>() as u64, "jotons on their way"),
+        Buffer::new("lanes", lanes * size_of::<PathState>() as u64, "jotons on their way"),
         Buffer::new("tallies_caustic", tallies, "counts and energy, caustic map"),
         Buffer::new("tallies_diffuse", tallies, "counts and energy, diffuse map"),
         Buffer::new("lane_starts", (lanes + 1) * WORD, "first joton of each lane"),
@@ -416,7 +416,7 @@ fn pixel_buffers(pixels: u64) -> Vec<Buffer> {
         Buffer::new("counts", pixels * WORD, "jotons that the pilot found"),
         Buffer::new(
             "glints",
-            Glints::most(pixels).max(TREES_MAX.into()) * WORD,
+            SplitPaths::most(pixels).max(TREES_MAX.into()) * WORD,
             "trees that look for emission",
         ),
         Buffer::new("edges", pixels * WORD, "whether a disc is whole"),

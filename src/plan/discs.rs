@@ -3,7 +3,7 @@
 
 use super::Plan;
 use super::grid::Grid;
-use crate::optics::ray::{Ray, Surface};
+use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::PackedScene;
 use crate::packed::layout::{CLIP_LIFT, CLIP_RAYS, GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
 use crate::plan::CAUSTIC_FOOTPRINTS;
@@ -63,7 +63,7 @@ const PROBES: u32 = 24;
 const PROBE_HEIGHT: f32 = 0.5;
 
 /// Whether something is cut off the disc about a place, or stands in it.
-pub(super) fn is_cut(scene: &PackedScene, s: &Surface, radius: f32) -> bool {
+pub(super) fn is_cut(scene: &PackedScene, s: &SurfaceInteraction, radius: f32) -> bool {
     let (x, y) = s.ng.any_orthonormal_pair();
     let around = |turn: f32| {
         let [c, s] = unit_circle(turn);
@@ -73,7 +73,7 @@ pub(super) fn is_cut(scene: &PackedScene, s: &Surface, radius: f32) -> bool {
         // a spiral: even over the disc
         let r = radius * ((i as f32 + 0.5) / PROBES as f32).sqrt();
         let above = s.position + around((0.618_034 * i as f32).fract()) * r + s.ng * (PROBE_HEIGHT * radius);
-        let below = Surface::hit(scene, &Ray::new(above, -s.ng));
+        let below = SurfaceInteraction::hit(scene, &Ray::new(above, -s.ng));
         below.is_some_and(|hit| {
             (hit.distance - PROBE_HEIGHT * radius).abs() < GATHER_PLANE_SHARE * radius
                 && hit.ng.dot(s.ng) > GATHER_NORMAL_COS
@@ -83,7 +83,7 @@ pub(super) fn is_cut(scene: &PackedScene, s: &Surface, radius: f32) -> bool {
     let is_free = (0..CLIP_RAYS).all(|i| {
         let direction = around(i as f32 / CLIP_RAYS as f32);
         let origin = s.position + s.ng * (CLIP_LIFT * radius);
-        Surface::hit(scene, &Ray::new(origin, direction)).is_none_or(|hit| hit.distance > radius)
+        SurfaceInteraction::hit(scene, &Ray::new(origin, direction)).is_none_or(|hit| hit.distance > radius)
     });
     !(is_whole && is_free)
 }

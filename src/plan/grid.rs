@@ -1,5 +1,5 @@
 //! Grid: the hashed grid in which a device sorts jotons and area points, and which of its buckets a disc looks through.
-//! Twin: shaders/shared/grid.wgsl.
+//! Twin: shaders/maps/grid.wgsl.
 
 use crate::packed::layout::{CELLS_PER_RADIUS, row_bucket};
 use glam::Vec3;

@@ -16,7 +16,7 @@ use super::traffic::Traffic;
 use crate::estimators::maps::MapKind;
 use crate::estimators::radii::Schedule;
 use crate::film::Layer;
-use crate::packed::layout::{GatherPoint, Joton, Lane, TILE};
+use crate::packed::layout::{GatherPoint, Joton, PathState, TILE};
 use crate::packed::scatter_area_points;
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -163,7 +163,7 @@ impl BufferPlan<'_> {
         let trace = Work {
             rays: shared(emitted * mean.rays, lanes * dispatches),
             steps: shared(emitted * mean.steps, lanes * dispatches),
-            bytes: 2.0 * size_of::<Lane>() as f64 + shared(stored * joton, lanes * dispatches),
+            bytes: 2.0 * size_of::<PathState>() as f64 + shared(stored * joton, lanes * dispatches),
             rest: INVOCATION + shared(emitted * EMISSION, lanes * dispatches),
             ..Work::default()
         };
@@ -232,7 +232,7 @@ impl BufferPlan<'_> {
         let cut = |place: &Place| {
             if place.is_cut || are_few { area_points.tests(place.position, radius) } else { 0.0 }
         };
-        list.add("boundary", map, &pixels, work(over_places(&cut), 0.0));
+        list.add("kernel_correction", map, &pixels, work(over_places(&cut), 0.0));
         list.add("gather", map, &pixels, gather);
     }
 

@@ -19,8 +19,8 @@ use crate::estimators::maps::MapKind;
 use crate::estimators::radii::{Schedule, shrink};
 use crate::film::paths::LightPaths;
 use crate::film::{LAYERS, Layer};
-use crate::packed::{EmitterKind, Guide, Marks, PackedScene};
-use guiding::visible_points::Seen;
+use crate::packed::{EmitterKind, Guide, PackedScene, VisibleCells};
+use guiding::visible_points::VisiblePoints;
 use std::sync::Arc;
 
 /// What the user asked for, as far as it changes the plan.
@@ -67,7 +67,7 @@ pub struct Plan {
     /// Light samples of which one gets a shadow ray.
     pub light_candidates: u32,
     /// Where the camera looks; none where jotons are stored wherever they are.
-    pub marks: Option<Arc<Marks>>,
+    pub visible_cells: Option<Arc<VisibleCells>>,
     /// Pixels, in ascending order, that show an image of a lamp too small for camera rays to find [E25].
     pub lamp_images: Arc<[u32]>,
     /// Which of [`Layer::ALL`] is traced.
@@ -150,7 +150,7 @@ impl Plan {
     /// Decide what a scene needs.
     pub fn new(scene: &PackedScene, mut settings: Settings) -> Self {
         let pilot = Pilot::look(scene);
-        let seen = Seen::look(scene, settings.seed);
+        let seen = VisiblePoints::look(scene, settings.seed);
         let mut skips = Skips { keep: settings.keep.clone(), skipped: Vec::new() };
         if !scene.out_of_reach.is_empty() {
             // `PackedScene::whole` keeps it
@@ -191,7 +191,7 @@ impl Plan {
             skips.skip(Part::Rest, Reason::NothingChanges);
         }
         let stores_all = in_view > STORED_IN_VIEW || !skips.skip(Part::UnseenJotons, Reason::JotonsElsewhere);
-        let marks = (!stores_all).then(|| Arc::new(seen.marks(scene, diffuse as f32)));
+        let visible_cells = (!stores_all).then(|| Arc::new(seen.cells(scene, diffuse as f32)));
         let lamp_images: Arc<[u32]> = if traces(Layer::Emission) {
             guiding::lamp_images(scene, settings.seed).into()
         } else {
@@ -202,7 +202,7 @@ impl Plan {
             caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
             guides: Arc::new(guides),
             light_candidates,
-            marks,
+            visible_cells,
             lamp_images,
             layers,
             features,
@@ -349,7 +349,7 @@ struct Learned {
 fn learned(
     scene: &PackedScene,
     seed: u32,
-    seen: &Seen,
+    seen: &VisiblePoints,
     traces: impl Fn(Layer) -> bool,
     skips: &mut Skips,
 ) -> Learned {

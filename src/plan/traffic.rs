@@ -7,9 +7,9 @@ use crate::estimators::maps::MapKind;
 use crate::film::Layer;
 use crate::optics::lights::emit::{Start, aimed, by_law};
 use crate::optics::lights::sample::sample_light;
-use crate::optics::ray::{Ray, Surface};
-use crate::optics::shading::bsdf::{Boundary, sample_d, specular_direction};
-use crate::optics::shading::roulette::Odds;
+use crate::optics::ray::{Ray, SurfaceInteraction};
+use crate::optics::shading::bsdf::{DielectricInterface, sample_d, specular_direction};
+use crate::optics::shading::roulette::EventProbabilities;
 use crate::packed::PackedScene;
 use crate::packed::layout::UNSEEN_STORED;
 use crate::sampling::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
@@ -165,7 +165,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         }
         found.mean.rays += 1.0;
         found.mean.steps += steps(scene, &ray, f32::INFINITY, false);
-        let Some(s) = Surface::hit(scene, &ray) else { break };
+        let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };
         length += s.distance;
         if path == Path::Camera && met_specular && s.flags().is_emissive() && s.front {
             found.mean.glints = 1.0;
@@ -178,7 +178,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         let [u_way, u0, u1, u_lobe] =
             random4(plan.settings.seed, path as u32, number, DIMENSION_TRAFFIC + event);
         if is_met && s.flags().has_diffuse() {
-            let is_marked = plan.marks.as_ref().is_none_or(|marks| marks.holds(s.position));
+            let is_marked = plan.visible_cells.as_ref().is_none_or(|cells| cells.holds(s.position));
             // as many of the others as are stored, by any number that decides about nothing else
             let share = if is_marked || path == Path::Caustic { 1 } else { UNSEEN_STORED };
             found.mean.stored += 1.0 / f64::from(share);
@@ -186,11 +186,11 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
                 found.stored.push(s.position);
             }
         }
-        let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
-        let odds = Odds::new(&s, boundary.as_ref(), &flux, event);
+        let interface = s.flags().is_dielectric().then(|| DielectricInterface::at(&s));
+        let probabilities = EventProbabilities::new(&s, interface.as_ref(), &flux, event);
         // nothing is absorbed by chance on the way from the eye
-        let kept = if path == Path::Camera { odds.ways.iter().map(|w| w.1).sum() } else { 1.0 };
-        let Some(way) = odds.choose(u_way * kept) else { break };
+        let kept = if path == Path::Camera { probabilities.ways.iter().map(|w| w.1).sum() } else { 1.0 };
+        let Some(way) = probabilities.choose(u_way * kept) else { break };
         if way == 0 && path != Path::Diffuse {
             if path == Path::Camera {
                 found.mean.stored += 1.0;
@@ -207,10 +207,10 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         }
         let leaving = match way {
             0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
-            _ => specular_direction(&s, boundary.as_ref(), way == 2, [u0, u1]),
+            _ => specular_direction(&s, interface.as_ref(), way == 2, [u0, u1]),
         };
         let Some(w) = leaving else { break };
-        let (reflectance, probability) = odds.ways[way];
+        let (reflectance, probability) = probabilities.ways[way];
         flux = scale(&mul(&flux, &reflectance), 1.0 / probability);
         met_diffuse |= way == 0;
         met_specular |= way > 0;
@@ -220,7 +220,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
 }
 
 /// The rays of a light sample at a surface.
-fn shadow(scene: &PackedScene, plan: &Plan, s: &Surface, [u, v, w]: [f32; 3]) -> Mean {
+fn shadow(scene: &PackedScene, plan: &Plan, s: &SurfaceInteraction, [u, v, w]: [f32; 3]) -> Mean {
     let mut found = Mean::default();
     let lights = plan.guides.direct.emitters(&scene.emitters);
     if let Some(light) = sample_light(lights, s.position, [u, v])

@@ -1,10 +1,10 @@
-//! Halves: the passes of a render in two halves, and what these tell of its error without a reference [E16, E18].
+//! ErrorEstimator: the passes of a render in two halves, and what these tell of its error without a reference [E16, E18].
 //!
 //! Noise shows in the difference of the halves. Blur shows in how the estimates change with their radius from pass to
 //! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
-use crate::film::tile_schedule::{Rest, Run};
+use crate::film::tile_schedule::{Run, TileSchedule};
 use crate::film::{Film, LAYERS, Layer, Picture, RELATIVE_OFFSET, SAMPLES_MAX};
 use crate::spectrum::BANDS;
 use rayon::prelude::*;
@@ -69,12 +69,12 @@ impl Lattice {
 
 /// The passes of a render, and parts of them.
 #[derive(Debug, Clone)]
-pub(crate) struct Halves {
+pub(crate) struct ErrorEstimator {
     /// All passes.
     film: Film,
     /// The pixels of `early` and `lines`.
     lattice: Lattice,
-    /// Sums of the whole radiance over the first [`Halves::early_passes`]. Empty before there are any.
+    /// Sums of the whole radiance over the first [`ErrorEstimator::early_passes`]. Empty before there are any.
     early: Vec<[f64; BANDS]>,
     /// The last power of two before the number of passes.
     early_passes: u64,
@@ -149,7 +149,7 @@ impl Line {
     }
 }
 
-impl Halves {
+impl ErrorEstimator {
     /// Nothing rendered yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
         Self::with_samples(size, SAMPLES_MAX)
@@ -184,7 +184,7 @@ impl Halves {
     }
 
     /// From here on these tiles rest.
-    pub(crate) fn set_rest(&mut self, rest: Rest) {
+    pub(crate) fn set_rest(&mut self, rest: TileSchedule) {
         self.film.set_rest(rest);
     }
 
@@ -312,17 +312,17 @@ mod tests {
     const PIXELS: usize = 1600;
 
     /// The halves after `passes` passes in which each pixel of the diffuse layer has the radiance `at(pass, pixel)`.
-    fn after(passes: u64, blur: impl Fn(u64) -> f64, at: impl Fn(u64, usize) -> f64) -> Halves {
-        sampled(Halves::new(SIZE), passes, blur, at)
+    fn after(passes: u64, blur: impl Fn(u64) -> f64, at: impl Fn(u64, usize) -> f64) -> ErrorEstimator {
+        sampled(ErrorEstimator::new(SIZE), passes, blur, at)
     }
 
     /// The same of halves that are given.
     fn sampled(
-        mut halves: Halves,
+        mut halves: ErrorEstimator,
         passes: u64,
         blur: impl Fn(u64) -> f64,
         at: impl Fn(u64, usize) -> f64,
-    ) -> Halves {
+    ) -> ErrorEstimator {
         for pass in 0..passes {
             let mut layers: [Vec<[f32; BANDS]>; LAYERS] = std::array::from_fn(|_| vec![[0.0; BANDS]; PIXELS]);
             for (p, value) in layers[Layer::Diffuse as usize].iter_mut().enumerate() {
@@ -355,7 +355,7 @@ mod tests {
     fn some_pixels_tell_the_error_of_all() {
         let at = |n: u64, p: usize| 1.0 + p as f64 / 200.0 + 0.1 * uniform(n, p);
         for (most, step) in [(1600, 1), (1599, 2), (400, 2), (399, 3), (196, 3)] {
-            let halves = sampled(Halves::with_samples(SIZE, most), 16, |_| 1.0, at);
+            let halves = sampled(ErrorEstimator::with_samples(SIZE, most), 16, |_| 1.0, at);
             let lattice = halves.lattice;
             assert_eq!((lattice.step, halves.early.len()), (step, 40usize.div_ceil(step).pow(2)));
             for (sample, early) in halves.early.iter().enumerate() {
@@ -365,9 +365,12 @@ mod tests {
                 let line = halves.lines.iter().map(|l| l.radiance[sample][0]).sum::<f64>() / 16.0;
                 assert!((line - wanted).abs() < 0.11, "sample {sample}, step {step}: {line}, {wanted}");
             }
-            assert_eq!(halves.picture().whole, sampled(Halves::new(SIZE), 16, |_| 1.0, at).picture().whole);
+            assert_eq!(
+                halves.picture().whole,
+                sampled(ErrorEstimator::new(SIZE), 16, |_| 1.0, at).picture().whole
+            );
             let even = |n: u64, p: usize| 2.0 + 0.1 * uniform(n, p);
-            let halves = sampled(Halves::with_samples(SIZE, most), 16, |_| 1.0, even);
+            let halves = sampled(ErrorEstimator::with_samples(SIZE, most), 16, |_| 1.0, even);
             let noise = halves.error().expect("two halves").noise;
             let truth = 0.1 / (3.0 * 16.0 * (4.0 + RELATIVE_OFFSET)).sqrt();
             assert!((noise / truth - 1.0).abs() < 0.15, "{noise} {truth}");
@@ -401,7 +404,7 @@ mod tests {
         assert!(e.total > truth && e.total < 3.0 * truth, "{e:?}, truth {truth}");
     }
 
-    /// Halves are equally many at powers of two, and never more than twice as many as the other.
+    /// ErrorEstimator are equally many at powers of two, and never more than twice as many as the other.
     #[test]
     fn halves_are_halves() {
         let mut counts = [0u64; 2];

@@ -9,7 +9,7 @@ mod static_tiles;
 use crate::backend::{Backend, Tally};
 use crate::error::Result;
 use crate::film::Picture;
-use crate::render::error_estimate::Halves;
+use crate::render::error_estimate::ErrorEstimator;
 pub use error_estimate::ErrorEstimate;
 pub use state::RenderState;
 
@@ -72,7 +72,7 @@ pub struct Progress<'a> {
     pub cpu_seconds: f64,
     /// Sums of all counts so far.
     pub tally: &'a Tally,
-    halves: &'a Halves,
+    halves: &'a ErrorEstimator,
 }
 
 impl Progress<'_> {
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
     use crate::backend::{Batch, PASSES_MAX};
     use crate::error::Error;
-    use crate::film::tile_schedule::Rest;
+    use crate::film::tile_schedule::TileSchedule;
     use crate::spectrum::BANDS;
     use std::time::Duration;
 
@@ -205,7 +205,7 @@ mod tests {
 
     /// A pixel of radiance 1 in each layer, as a device sees it that lets it rest or not, up to a pass at which it fails.
     struct Steady {
-        rest: Option<Rest>,
+        rest: Option<TileSchedule>,
         batch: u32,
         fails_at: u64,
     }
@@ -219,7 +219,7 @@ mod tests {
             self.batch
         }
 
-        fn rest(&mut self, rest: &Rest) -> bool {
+        fn rest(&mut self, rest: &TileSchedule) -> bool {
             self.rest.as_mut().map(|r| *r = rest.clone()).is_some()
         }
 
@@ -242,7 +242,7 @@ mod tests {
         for (rests, batch) in [([true, true], 4), ([true, false], 4), ([false, true], 1), ([true, false], 16)]
         {
             for fails_at in [1, 5, 37, 48] {
-                let rest = rests.map(|rests| rests.then(|| Rest::none(size)));
+                let rest = rests.map(|rests| rests.then(|| TileSchedule::none(size)));
                 let [first, second] = rest;
                 let first = Steady { rest: first, batch: 1, fails_at };
                 let second = Steady { rest: second, batch, fails_at: u64::MAX };

@@ -3,11 +3,11 @@
 use super::{DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, Stop};
 use crate::backend::{Backend, PASSES_MAX, Tally, guarded};
 use crate::error::Result;
-use crate::estimators::split_paths::{self, Glints};
+use crate::estimators::split_paths::{self, SplitPaths};
 use crate::film::Layer;
-use crate::film::tile_schedule::{EXPONENT_MAX, Rest};
-use crate::render::error_estimate::{self, ErrorEstimate, Halves};
-use crate::render::static_tiles::Quiet;
+use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
+use crate::render::error_estimate::{self, ErrorEstimate, ErrorEstimator};
+use crate::render::static_tiles::StaticTiles;
 use crate::spectrum::BANDS;
 use std::time::Instant;
 
@@ -17,12 +17,12 @@ const ERROR_PASSES: u64 = 4;
 /// What a render has found so far: all that it takes to go on.
 pub struct RenderState {
     size: [u32; 2],
-    sums: Halves,
+    sums: ErrorEstimator,
     /// Who may rest, where the first device lets pixels rest.
-    quiet: Option<Quiet>,
+    quiet: Option<StaticTiles>,
     glimpses: split_paths::Watch,
     /// Who had trees last.
-    glints: Option<Glints>,
+    glints: Option<SplitPaths>,
     tally: Tally,
     imbalance: Imbalance,
     passes: u64,
@@ -37,7 +37,7 @@ impl RenderState {
     pub fn new(size: [u32; 2]) -> Self {
         Self {
             size,
-            sums: Halves::new(size),
+            sums: ErrorEstimator::new(size),
             quiet: None,
             glimpses: split_paths::Watch::new(size),
             glints: None,
@@ -119,9 +119,9 @@ impl RenderState {
 
     /// Tell a backend who rests and who has trees.
     fn set_up(&mut self, backend: &mut dyn Backend) -> Result<()> {
-        let can_rest = backend.rest(&Rest::none(self.size));
+        let can_rest = backend.rest(&TileSchedule::none(self.size));
         if self.passes == 0 {
-            self.quiet = can_rest.then(|| Quiet::new(self.size));
+            self.quiet = can_rest.then(|| StaticTiles::new(self.size));
             return Ok(());
         }
         if can_rest {
@@ -130,9 +130,9 @@ impl RenderState {
             // pixels that rest get their samples, and more that nobody asked for, until they wake
             self.quiet = None;
         }
-        if let (Some(own), Some(before)) = (backend.glints(), &self.glints) {
+        if let (Some(own), Some(before)) = (backend.split_paths(), &self.glints) {
             let joined = own.joined(before);
-            backend.set_glints(joined)?;
+            backend.set_split_paths(joined)?;
         }
         Ok(())
     }
@@ -165,24 +165,24 @@ impl RenderState {
         if is_estimated(self.passes) {
             self.error = self.sums.error();
         }
-        if let Some(glints) = backend.glints() {
+        if let Some(glints) = backend.split_paths() {
             self.glimpses.watch(count, &batch.layers[Layer::Emission as usize], glints);
             if self.passes > 1 && self.passes.is_power_of_two() {
                 let grown = self.glimpses.grown(glints, self.sums.film());
                 self.glints = Some(grown.clone());
-                backend.set_glints(grown)?;
+                backend.set_split_paths(grown)?;
             }
         }
         match &mut self.quiet {
             Some(quiet) => {
-                if let Some(rest) = quiet.renew(self.passes, backend.glints()) {
+                if let Some(rest) = quiet.renew(self.passes, backend.split_paths()) {
                     backend.rest(rest);
                     self.sums.set_rest(rest.clone());
                 }
             }
             // all blocks end here
             None if self.passes.is_multiple_of(1 << EXPONENT_MAX) && !self.sums.film().rest().is_none() => {
-                self.sums.set_rest(Rest::none(self.size));
+                self.sums.set_rest(TileSchedule::none(self.size));
             }
             None => {}
         }

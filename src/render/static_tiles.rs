@@ -1,9 +1,9 @@
-//! Quiet: which tiles have seen one and the same radiance in every pixel of every pass, as their neighbours have, and
+//! StaticTiles: which tiles have seen one and the same radiance in every pixel of every pass, as their neighbours have, and
 //! when these rest [E21].
 
-use crate::estimators::split_paths::Glints;
+use crate::estimators::split_paths::SplitPaths;
 use crate::film::LAYERS;
-use crate::film::tile_schedule::{EXPONENT_MAX, Rest};
+use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
 use crate::spectrum::{BANDS, Bands};
 
 /// Passes that are watched before a tile rests: a quiet tile and its eight neighbours have seen 2304 samples by then.
@@ -22,15 +22,15 @@ enum Seen {
 
 /// Watches the passes, and says who rests.
 #[derive(Debug)]
-pub(crate) struct Quiet {
+pub(crate) struct StaticTiles {
     seen: Vec<Seen>,
-    rest: Rest,
+    rest: TileSchedule,
 }
 
-impl Quiet {
+impl StaticTiles {
     /// Nothing was seen yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
-        let rest = Rest::none(size);
+        let rest = TileSchedule::none(size);
         Self { seen: vec![Seen::Nothing; rest.exponents().len()], rest }
     }
 
@@ -61,13 +61,13 @@ impl Quiet {
     /// Who rests after `passes` passes, where that changes: tiles go to rest at powers of two, 2^k then being half of the
     /// passes, and wake at the end of any block in which they or a neighbour saw something else. Where `glints` has trees it
     /// is not known what they will see.
-    pub(crate) fn renew(&mut self, passes: u64, glints: Option<&Glints>) -> Option<&Rest> {
+    pub(crate) fn renew(&mut self, passes: u64, glints: Option<&SplitPaths>) -> Option<&TileSchedule> {
         let to_rest = passes >= WATCHED && passes.is_power_of_two();
         let is_quiet =
             |tile: usize| self.is_quiet(tile) && glints.is_none_or(|g| !g.any(&self.rest.tile(tile)));
         let exponents: Vec<u8> = (0..self.seen.len())
             .map(|tile| match self.rest.exponents()[tile] {
-                k if Rest::pending(k, passes) > 0 => k,
+                k if TileSchedule::pending(k, passes) > 0 => k,
                 _ if to_rest && is_quiet(tile) => (passes.ilog2() - 1).min(EXPONENT_MAX) as u8,
                 0 => 0,
                 k if !to_rest && is_quiet(tile) => k,
@@ -77,7 +77,7 @@ impl Quiet {
         if exponents == self.rest.exponents() {
             return None;
         }
-        self.rest = Rest::new(self.rest.size(), exponents);
+        self.rest = TileSchedule::new(self.rest.size(), exponents);
         Some(&self.rest)
     }
 
@@ -108,8 +108,8 @@ mod tests {
     const MIDDLE: usize = 7;
 
     /// A lamp of one radiance, but for `speck` at a pixel in some passes.
-    fn seen(passes: std::ops::Range<u64>, speck: impl Fn(u64) -> Option<usize>) -> Quiet {
-        let mut quiet = Quiet::new(SIZE);
+    fn seen(passes: std::ops::Range<u64>, speck: impl Fn(u64) -> Option<usize>) -> StaticTiles {
+        let mut quiet = StaticTiles::new(SIZE);
         for pass in passes {
             let mut layers: [Vec<Bands>; LAYERS] = Default::default();
             layers[0] = vec![[3.3; BANDS]; WIDTH * 24];
@@ -160,7 +160,7 @@ mod tests {
     fn sums_are_compared_by_their_means() {
         let sum = (0..16).fold(0.0f32, |s, _| s + 0.1);
         for (last, k) in [(sum, 1), (sum * 1.001, 0)] {
-            let mut quiet = Quiet::new([8, 8]);
+            let mut quiet = StaticTiles::new([8, 8]);
             for (first, passes, value) in [(0, 1, 0.1f32), (1, 1, 0.1), (2, 16, last)] {
                 let layers = std::array::from_fn(|_| vec![[value; BANDS]; 64]);
                 quiet.watch(first, passes, &layers);

@@ -1,4 +1,4 @@
-//! Sampling: unit numbers to directions and places. Twin: shaders/shared/sampling.wgsl.
+//! Sampling: unit numbers to directions and places. Twin: shaders/sampling/sampling.wgsl.
 //!
 //! Directions are local: z is the axis; `to_world` turns them to the world. φ = 2π u1 throughout.
 

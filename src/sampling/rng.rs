@@ -1,4 +1,4 @@
-//! Random numbers, addressed and not streamed: random(seed, pass, path, dimension). Twin: shaders/shared/rng.wgsl.
+//! Random numbers, addressed and not streamed: random(seed, pass, path, dimension). Twin: shaders/sampling/rng.wgsl.
 //!
 //! Two kinds: hashed (pcg4d, Jarzynski & Olano 2020) where any number will do, and the first two dimensions of Sobol's
 //! sequence with Owen's scrambling (hash-based: Laine & Karras 2011, constants by Vegdahl 2021; shuffled and padded in
@@ -84,7 +84,7 @@ pub fn sobol2(index: u32, seed: u32) -> [f32; 2] {
 }
 
 /// Purposes of what is found out before the first pass, and of what both backends have on the host. The kernels' are in
-/// shaders/shared/rng.wgsl, the CPU backend's in src/backend/cpu/streams.rs: no two that meet in one render are alike.
+/// shaders/sampling/rng.wgsl, the CPU backend's in src/backend/cpu/streams.rs: no two that meet in one render are alike.
 pub mod purpose {
     /// Place in the image of a path that looks where the camera looks.
     pub const STREAM_SEEN: u32 = 0x200;

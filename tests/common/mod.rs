@@ -124,7 +124,7 @@ impl Snippet<'_> {
     ) -> Vec<[Row; O]> {
         let imports: String = self.imports.iter().map(|i| format!("// import: {i}\n")).collect();
         let text = format!(
-            "{imports}// import: shared/index.wgsl\n\
+            "{imports}// import: dispatch/index.wgsl\n\
              @group(3) @binding(0) var<storage, read> snippet_in: array<vec4<u32>>;\n\
              @group(3) @binding(1) var<storage, read_write> snippet_out: array<vec4<u32>>;\n\
              var<private> number: u32;\n\
@@ -197,7 +197,7 @@ pub fn normal24(n: glam::Vec3) -> u32 {
     x | y << 8 | z << 16
 }
 
-/// The frame of shared/sampling.wgsl (Duff et al. 2017): x and y of z = n.
+/// The frame of sampling/sampling.wgsl (Duff et al. 2017): x and y of z = n.
 pub fn frame(n: glam::Vec3) -> [glam::Vec3; 2] {
     let s = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (s + n.z);

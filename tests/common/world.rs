@@ -89,7 +89,7 @@ pub fn trace(
          out_u(0u, vec4(h.triangle, bitcast<vec3<u32>>(vec3(h.t, h.u, h.v))));
          out_u(1u, vec4(steps, 0u, 0u, 0u));"
     );
-    let snippet = Snippet::new(&["shared/scene.wgsl", "shared/intersect.wgsl"], &code);
+    let snippet = Snippet::new(&["scene/scene.wgsl", "accel/intersect.wgsl"], &code);
     let pass = super::pass_info();
     let mut harness = world.harness(context);
     let out: Vec<[Row; 2]> =

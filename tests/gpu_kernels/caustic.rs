@@ -47,8 +47,12 @@ fn counts_are_those_of_a_search_over_all() {
     let mut pass = pass_info();
     pass.set_image([WIDTH, HEIGHT]);
     pass.pixel_angle = ANGLE;
-    let count =
-        kernel(context, "caustic_count.wgsl", "main", &[("RADIUS_FOOTPRINTS", f64::from(FOOTPRINTS[1]))]);
+    let count = kernel(
+        context,
+        "passes/caustic_count.wgsl",
+        "main",
+        &[("RADIUS_FOOTPRINTS", f64::from(FOOTPRINTS[1]))],
+    );
     let at: [(&str, &[u8]); 2] =
         [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
     harness.run(&count, &[], &at, Work::Invocations(points.len() as u32)).unwrap_or_else(|e| panic!("{e}"));
@@ -96,7 +100,7 @@ fn radii_hold_the_wanted_number() {
         ("RADIUS_FOOTPRINTS_MIN", f64::from(FOOTPRINTS[0])),
         ("WANTED", f64::from(WANTED)),
     ];
-    let k = kernel(context, "caustic_radius.wgsl", "main", &overrides);
+    let k = kernel(context, "passes/caustic_radius.wgsl", "main", &overrides);
     let at: [(&str, &[u8]); 2] =
         [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];
     harness.run(&k, &[], &at, Work::Invocations(points.len() as u32)).unwrap_or_else(|e| panic!("{e}"));

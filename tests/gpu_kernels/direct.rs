@@ -49,7 +49,7 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
     harness.storage("film_direct", &vec![[0.0f32; 4]; pixels]);
     harness.storage("status", &[0u32; status::SLOTS as usize]);
     let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
-    for name in ["eye.wgsl", "direct.wgsl"] {
+    for name in ["passes/eye.wgsl", "passes/direct.wgsl"] {
         let k = kernel(context, name, "main", &[("HAS_PATH_FILTER", 0.0)]);
         harness.run(&k, &[], &at, Work::Tiles(scene.size)).unwrap_or_else(|e| panic!("{e}"));
     }

@@ -8,7 +8,7 @@ use glam::Vec3;
 use joton::backend::gpu::harness::{Harness, Work, encode_direction};
 use joton::backend::gpu::{Context, Kernel, Variant, link};
 use joton::packed::PackedMaterial;
-use joton::packed::layout::{Clip, Fit, GatherPoint, Joton, Lane, MapInfo, row_bucket, status};
+use joton::packed::layout::{Clip, Fit, GatherPoint, Joton, MapInfo, PathState, row_bucket, status};
 use joton::scene::Material;
 use std::f64::consts::{PI, TAU};
 
@@ -48,7 +48,10 @@ pub(crate) fn map<'a>(context: &'a Context, jotons: &[Joton], info: &MapInfo) ->
     let mut harness = Harness::new(context);
     // a lane for each joton, and one that is empty where there are none
     let stored = if jotons.is_empty() { 0 } else { 1 };
-    harness.storage("lanes", &vec![Lane { stored, status: 256, ..Lane::zeroed() }; jotons.len().max(1)]);
+    harness.storage(
+        "lanes",
+        &vec![PathState { stored, status: 256, ..PathState::zeroed() }; jotons.len().max(1)],
+    );
     let nothing = [Joton::zeroed()];
     harness.storage("jotons", if jotons.is_empty() { &nothing } else { jotons });
     harness.sort_map(info).unwrap_or_else(|e| panic!("{e}"));
@@ -97,8 +100,8 @@ impl Question<'_> {
         pass.set_image([self.points.len() as u32, 1]);
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
         let overrides = [("CAUSTIC", flag(self.caustic)), ("HAS_PATH_FILTER", flag(self.paths != "L.*E"))];
-        let linked = link("gather.wgsl", variant).unwrap_or_else(|e| panic!("{e}"));
-        let gather = Kernel::from_source(context, "gather.wgsl", &linked, "main", &overrides)
+        let linked = link("passes/gather.wgsl", variant).unwrap_or_else(|e| panic!("{e}"));
+        let gather = Kernel::from_source(context, "passes/gather.wgsl", &linked, "main", &overrides)
             .unwrap_or_else(|e| panic!("{e}"));
         let at: [(&str, &[u8]); 2] =
             [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&info))];

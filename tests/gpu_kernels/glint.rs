@@ -18,7 +18,7 @@ const RADIANCE: f32 = 3.0;
 const MIRROR: f32 = 0.9;
 /// Distance of the camera to the plane z = 0, which it looks at from +z.
 const DISTANCE: f64 = 3.0;
-/// Steps of a tree that are too few for it.
+/// PassGraph of a tree that are too few for it.
 const STEPS: u32 = 1000;
 /// Passes of which one has a tree in pixels that have them in turn.
 const TURNS: u32 = 2;
@@ -144,9 +144,9 @@ fn radiance_in_steps(context: &Context, scene: &PackedScene, passes: u32, steps:
     harness.storage("film_emission", &vec![[0.0f32; 4]; pixels as usize]);
     let compiled = |file: &str, overrides: &[(&str, f64)]| kernel(context, file, "main", overrides);
     let unfiltered = ("HAS_PATH_FILTER", 0.0);
-    let eye = compiled("eye.wgsl", &[unfiltered]);
-    let glint = compiled("glint.wgsl", &[unfiltered, ("CAMERA_STEPS", f64::from(steps))]);
-    let sum = compiled("glint_sum.wgsl", &[]);
+    let eye = compiled("passes/eye.wgsl", &[unfiltered]);
+    let glint = compiled("passes/glint.wgsl", &[unfiltered, ("CAMERA_STEPS", f64::from(steps))]);
+    let sum = compiled("passes/glint_sum.wgsl", &[]);
     for pass_index in 0..passes {
         let list = trees(pixels, pass_index);
         let count = list.len() as u32;
@@ -169,7 +169,7 @@ fn looks(context: &Context, scene: &PackedScene) -> Vec<[f32; 4]> {
     let mut harness = harness(context, scene);
     harness.storage("glints", &[0u32]);
     harness.storage("seen", &vec![[f32::NAN; 4]; scene.pixels()]);
-    let k = kernel(context, "glint.wgsl", "main", &[("HAS_PATH_FILTER", 0.0)]);
+    let k = kernel(context, "passes/glint.wgsl", "main", &[("HAS_PATH_FILTER", 0.0)]);
     let pass = pass_of(scene, PILOT_PASS);
     let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
     harness.run(&k, &[], &at, Work::Tiles(scene.size)).unwrap_or_else(|e| panic!("{e}"));
@@ -271,7 +271,7 @@ fn marks_are_levels() {
         harness.storage("gather_points", &vec![[PATTERN; 12]; pixels as usize]);
         let mut pass = PassInfo { glint_first: 3, glint_count: list.len() as u32, ..pass_info() };
         pass.set_image([width, height]);
-        let k = kernel(context, "glint_mark.wgsl", "main", &[]);
+        let k = kernel(context, "passes/glint_mark.wgsl", "main", &[]);
         let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
         let work = Work::Invocations(list.len() as u32);
         harness.run(&k, &[], &at, work).unwrap_or_else(|e| panic!("{e}"));

@@ -3,11 +3,11 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod boundary;
 mod caustic;
 mod direct;
 mod gather;
 mod glint;
+mod kernel_correction;
 mod map;
 mod radix;
 mod scan;

@@ -6,15 +6,15 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 use joton::backend::gpu::Context;
 use joton::backend::gpu::harness::{Harness, PATTERN, Work};
-use joton::packed::layout::{Joton, Lane, MapInfo, row_bucket, status};
+use joton::packed::layout::{Joton, MapInfo, PathState, row_bucket, status};
 use joton::sampling::rng::{pcg4d, random4};
 
-/// Lane.status of a lane that has traced all.
+/// PathState.status of a lane that has traced all.
 const DONE: u32 = 256;
 
 /// What the lanes have stored, and where.
 struct Given {
-    lanes: Vec<Lane>,
+    lanes: Vec<PathState>,
     jotons: Vec<Joton>,
     info: MapInfo,
 }
@@ -35,7 +35,7 @@ fn given(
     info.row_mask = (1 << (key_bits - 1)) - 1;
     info.lanes = lanes;
     info.lane_capacity = capacity;
-    let lane = |i| Lane { stored: stored(i), status: DONE, ..Lane::zeroed() };
+    let lane = |i| PathState { stored: stored(i), status: DONE, ..PathState::zeroed() };
     let joton = |i: u32| Joton { position: place(i), wi: i, ..Joton::zeroed() };
     Given { lanes: (0..lanes).map(lane).collect(), jotons: (0..lanes * capacity).map(joton).collect(), info }
 }
@@ -157,7 +157,7 @@ fn starts_past_the_first_dimension_are_written() {
     harness.storage("lane_starts", &[0, keys.len() as u32]);
     harness.storage("keys", &keys);
     harness.storage("bucket_starts", &vec![PATTERN; buckets as usize]);
-    let starts = kernel(context, "map_starts.wgsl", "main", &[]);
+    let starts = kernel(context, "passes/map_starts.wgsl", "main", &[]);
     harness
         .run(&starts, &[], &[("map_info", bytemuck::bytes_of(&info))], Work::Invocations(buckets))
         .unwrap_or_else(|e| panic!("{e}"));

@@ -15,7 +15,7 @@ fn sort_digit(
     shift: u32,
     chunk: u32,
 ) -> (Vec<u32>, Vec<u32>) {
-    let [count, scatter] = ["count", "scatter"].map(|e| kernel(context, "radix.wgsl", e, &[]));
+    let [count, scatter] = ["count", "scatter"].map(|e| kernel(context, "passes/radix.wgsl", e, &[]));
     let n = keys.len() as u32;
     // more chunks than needed, as a map has that is not full
     let chunks = n.div_ceil(chunk) + 2;

@@ -28,7 +28,8 @@ fn exclusive(values: &[u32]) -> Vec<u32> {
 #[test]
 fn sums_are_exclusive_prefix_sums() {
     let context = device_or_return!();
-    let [reduce, spine, apply] = ["reduce", "spine", "apply"].map(|e| kernel(context, "scan.wgsl", e, &[]));
+    let [reduce, spine, apply] =
+        ["reduce", "spine", "apply"].map(|e| kernel(context, "passes/scan.wgsl", e, &[]));
     for block in [1, 7, BLOCK] {
         for count in [0u32, 1, 63, 64, 65, 255, 256, 257, 4095, 4096, 4097, 65_536, 70_001] {
             let blocks = count.div_ceil(block);
@@ -68,11 +69,11 @@ fn blocks_past_the_first_dimension_are_summed() {
     let mut harness = Harness::new(context);
     harness.storage("values", &given);
     harness.storage("block_sums", &vec![PATTERN; FOLDED as usize]);
-    let reduce = kernel(context, "scan.wgsl", "reduce", &[]);
+    let reduce = kernel(context, "passes/scan.wgsl", "reduce", &[]);
     harness.run(&reduce, &[], &at, Work::Invocations(FOLDED)).unwrap_or_else(|e| panic!("{e}"));
     let sums: Vec<u32> = harness.read("block_sums").unwrap_or_else(|e| panic!("{e}"));
     assert!(sums == given, "sums of blocks of one are the values");
-    let apply = kernel(context, "scan.wgsl", "apply", &[]);
+    let apply = kernel(context, "passes/scan.wgsl", "apply", &[]);
     let starts = exclusive(&given);
     harness.storage("block_sums", &starts);
     harness.run(&apply, &[], &at, Work::Invocations(FOLDED)).unwrap_or_else(|e| panic!("{e}"));

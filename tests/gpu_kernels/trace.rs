@@ -7,7 +7,7 @@ use bytemuck::Zeroable;
 use joton::backend::gpu::harness::{Harness, Work};
 use joton::backend::gpu::{Context, Kernel, link_source};
 use joton::packed::PackedScene;
-use joton::packed::layout::{Joton, Lane, LaneTally, STEP_BUDGET};
+use joton::packed::layout::{Joton, LaneTally, PathState, STEP_BUDGET};
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 
@@ -40,7 +40,7 @@ fn trace(context: &Context, scene: &PackedScene, caustic: bool, emitted: u32, la
     let flag = |on: bool| if on { 1.0 } else { 0.0 };
     let trace = kernel(
         context,
-        "trace.wgsl",
+        "passes/trace.wgsl",
         "main",
         &[
             ("CAUSTIC", flag(caustic)),
@@ -62,16 +62,16 @@ fn trace(context: &Context, scene: &PackedScene, caustic: bool, emitted: u32, la
     map.lanes = lanes;
     // albedo 0.9 stores nine times on average, and now and then far more
     map.lane_capacity = 20 * emitted.div_ceil(lanes) + 100;
-    harness.storage("lanes", &vec![Lane::zeroed(); lanes as usize]);
+    harness.storage("lanes", &vec![PathState::zeroed(); lanes as usize]);
     harness.storage("jotons", &vec![Joton::zeroed(); (lanes * map.lane_capacity) as usize]);
     harness.storage("tallies", &vec![LaneTally::zeroed(); lanes as usize]);
     let at: [(&str, &[u8]); 2] =
         [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&map))];
     let mut dispatches = 0;
-    let states: Vec<Lane> = loop {
+    let states: Vec<PathState> = loop {
         harness.run(&trace, &[], &at, Work::Invocations(lanes)).unwrap_or_else(|e| panic!("{e}"));
         dispatches += 1;
-        let lanes: Vec<Lane> = harness.read("lanes").unwrap_or_else(|e| panic!("{e}"));
+        let lanes: Vec<PathState> = harness.read("lanes").unwrap_or_else(|e| panic!("{e}"));
         if lanes.iter().all(|l| l.status & DONE != 0) {
             break lanes;
         }

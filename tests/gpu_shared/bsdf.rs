@@ -1,4 +1,4 @@
-//! shared/bsdf.wgsl against the laws of Fresnel and Snell in f64, and the lobes against their formulas.
+//! shading/bsdf.wgsl against the laws of Fresnel and Snell in f64, and the lobes against their formulas.
 
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row, row3, vec3};
 use crate::device_or_return;
@@ -8,7 +8,7 @@ use joton::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
 use joton::scene::{Dielectric, Material};
 use std::f64::consts::{PI, TAU};
 
-const BSDF: &[&str] = &["shared/features.wgsl", "shared/bsdf.wgsl"];
+const BSDF: &[&str] = &["scene/features.wgsl", "shading/bsdf.wgsl"];
 
 /// Reflectance by the amplitudes with angles [E8], in another form than the kernels': tangents and sines.
 fn fresnel_by_angles(cos_i: f64, eta: f64) -> f64 {
@@ -260,8 +260,8 @@ fn chances_share_out_the_flux() {
     let snippet = Snippet {
         imports: BSDF,
         declarations: MATERIALS,
-        code: "let c = chances(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
-            let r = roulette_chances(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x, u32(in_f(1u).y));
+        code: "let c = event_probabilities(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
+            let r = roulette_probabilities(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x, u32(in_f(1u).y));
             out_f(0u, vec4(c.diffuse, c.glossy, c.mirror, c.reflect));
             out_f(1u, vec4(c.transmit, r.transmit, 0.0, 0.0));
             out_f(2u, vec4(r.diffuse, r.glossy, r.mirror, r.reflect));",

@@ -1,4 +1,4 @@
-//! shared/emit.wgsl: aimed emission carries the flux that goes through the cones of the targets and nothing else; plain
+//! lights/emit.wgsl: aimed emission carries the flux that goes through the cones of the targets and nothing else; plain
 //! emission carries all of it, by the emitter's own law. The reference integrates the emitter's law in f64 and knows
 //! nothing of aiming.
 
@@ -45,7 +45,7 @@ fn jotons_from(
     let plan = Plan::new(scene, Settings::default());
     let mut harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
     let snippet = Snippet {
-        imports: &["shared/features.wgsl", "shared/scene.wgsl", "shared/surface.wgsl", "shared/emit.wgsl"],
+        imports: &["scene/features.wgsl", "scene/scene.wgsl", "shading/surface.wgsl", "lights/emit.wgsl"],
         declarations: "override CAUSTIC: bool = false;
             @group(1) @binding(0) var<uniform> map_info: MapInfo;
             @group(1) @binding(1) var<uniform> targets: array<Target, 16>;\n",

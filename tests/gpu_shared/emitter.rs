@@ -1,4 +1,4 @@
-//! shared/emitter.wgsl: picking over the edges of the table, and the spot's falloff.
+//! lights/emitter.wgsl: picking over the edges of the table, and the spot's falloff.
 
 use crate::common::{Row, Snippet, floats, random, row};
 use crate::device_or_return;
@@ -44,7 +44,7 @@ fn check(weights: &[f64]) {
         emitters.len()
     );
     let snippet =
-        Snippet { imports: &["shared/emitter.wgsl"], declarations: EMITTERS, code: &code, overrides: &[] };
+        Snippet { imports: &["lights/emitter.wgsl"], declarations: EMITTERS, code: &code, overrides: &[] };
     let mut harness = Harness::new(context);
     harness.storage("emitters", &emitters);
     let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
@@ -100,7 +100,7 @@ fn spots_fall_off_as_a_smoothstep() {
         inputs.extend(all.map(|at| [row([at, inner, outer, 0.0])]));
     }
     let code = "let i = in_f(0u); out_f(0u, vec4(spot_falloff(i.x, i.y, i.z), 0.0, 0.0, 0.0));";
-    let snippet = Snippet { imports: &["shared/emitter.wgsl"], declarations: EMITTERS, code, overrides: &[] };
+    let snippet = Snippet { imports: &["lights/emitter.wgsl"], declarations: EMITTERS, code, overrides: &[] };
     let mut harness = Harness::new(context);
     harness.storage("emitters", &table(&[1.0]));
     let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);

@@ -1,4 +1,4 @@
-//! shared/grid.wgsl and shared/index.wgsl against Rust.
+//! maps/grid.wgsl and dispatch/index.wgsl against Rust.
 
 use crate::common::{Row, Snippet, floats, random, row3};
 use crate::device_or_return;
@@ -25,7 +25,7 @@ fn cells_rows_and_columns_are_rusts() {
     let code = "let p = in_f(0u); let c = cell_of(p.xyz, vec3(-512.0, -300.25, 17.0), p.w);
         out_u(0u, vec4(bitcast<vec3<u32>>(c), row_bucket(c.y, c.z, in_u(1u).x)));
         out_u(1u, vec4(column(c.x, in_u(1u).y), 0u, 0u, 0u));";
-    let out: Vec<[Row; 2]> = Snippet::new(&["shared/grid.wgsl"], code).run(context, &inputs);
+    let out: Vec<[Row; 2]> = Snippet::new(&["maps/grid.wgsl"], code).run(context, &inputs);
     let mut outside = 0;
     for ([p, t], [cell, column]) in inputs.iter().zip(out) {
         let [x, y, z, per_unit] = floats(*p);
@@ -55,21 +55,21 @@ fn numbers_past_65535_workgroups_are_all_there() {
     for groups in [1u32, 65_535, 65_536, 131_072] {
         let count = groups * 64 - 13;
         let text = format!(
-            "// import: shared/index.wgsl\n\
+            "// import: dispatch/index.wgsl\n\
              @group(0) @binding(0) var<storage, read_write> marks: array<u32>;\n\
              @compute @workgroup_size(64)\n\
              fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{\n\
              let i = linear_index(id, groups); if i >= {count}u {{ return; }} marks[i] += i + 1u; }}\n"
         );
         let linked = joton::backend::gpu::link_source(&text).unwrap_or_else(|e| panic!("{e}"));
-        let kernel = joton::backend::gpu::Kernel::from_source(context, "marks", &linked, "main", &[])
+        let kernel = joton::backend::gpu::Kernel::from_source(context, "visible_cells", &linked, "main", &[])
             .unwrap_or_else(|e| panic!("{e}"));
         let mut harness = joton::backend::gpu::harness::Harness::new(context);
-        harness.storage("marks", &vec![0u32; count as usize]);
+        harness.storage("visible_cells", &vec![0u32; count as usize]);
         harness
             .run(&kernel, &[], &[], joton::backend::gpu::harness::Work::Invocations(count))
             .unwrap_or_else(|e| panic!("{e}"));
-        let marks: Vec<u32> = harness.read("marks").unwrap_or_else(|e| panic!("{e}"));
+        let marks: Vec<u32> = harness.read("visible_cells").unwrap_or_else(|e| panic!("{e}"));
         let wrong = marks.iter().zip(1u32..).position(|(&m, i)| m != i);
         assert_eq!(wrong, None, "{groups} workgroups: {:?}", wrong.map(|w| marks[w]));
     }
@@ -94,7 +94,7 @@ fn a_sphere_reaches_no_further_than_said() {
     let code = "let p = in_f(0u); let t = in_u(1u);
         out_f(0u, vec4(reach_in_row(p.xyz, p.w * p.w, bitcast<i32>(t.x), bitcast<i32>(t.y),
             vec3(-512.0, -300.25, 17.0), bitcast<f32>(t.z)), 0.0, 0.0, 0.0));";
-    let out: Vec<[Row; 1]> = Snippet::new(&["shared/grid.wgsl"], code).run(context, &inputs);
+    let out: Vec<[Row; 1]> = Snippet::new(&["maps/grid.wgsl"], code).run(context, &inputs);
     let (mut reached, mut missed) = (0, 0);
     for ([p, t], [o]) in inputs.iter().zip(out) {
         let [_, y, z, r] = floats(*p).map(f64::from);
@@ -163,7 +163,7 @@ fn runs_are_the_rows_that_a_sphere_reaches() {
          let rows = rows_touched(g, p.xyz, p.w); {}",
         runs.collect::<String>()
     );
-    let out: Vec<[Row; 16]> = Snippet::new(&["shared/grid.wgsl"], &code).run(context, &inputs);
+    let out: Vec<[Row; 16]> = Snippet::new(&["maps/grid.wgsl"], &code).run(context, &inputs);
     let mut most = 0;
     for ([input], runs) in inputs.iter().zip(&out) {
         let [x, y, z, r] = floats(*input);

@@ -1,4 +1,4 @@
-//! shared/intersect.wgsl against a search over all triangles in f64, and against the host's hierarchy; shared/surface.wgsl.
+//! accel/intersect.wgsl against a search over all triangles in f64, and against the host's hierarchy; shading/surface.wgsl.
 
 use crate::common::scenes::icosphere;
 use crate::common::world::{Ray, T_SCALE, World, trace};
@@ -226,7 +226,7 @@ fn surfaces_lie_where_rays_hit() {
         let again = traverse(departure(s, -s.front, true).origin, -s.front, 1.0, true);
         out_u(4u, vec4(h.triangle, again.triangle, 0u, 0u));";
     let snippet = Snippet::new(
-        &["shared/features.wgsl", "shared/scene.wgsl", "shared/sampling.wgsl", "shared/surface.wgsl"],
+        &["scene/features.wgsl", "scene/scene.wgsl", "sampling/sampling.wgsl", "shading/surface.wgsl"],
         code,
     );
     let pass = crate::common::pass_info();
@@ -292,7 +292,7 @@ fn rays_leave_a_surface_without_meeting_it_again() {
         }
         out_u(0u, vec4(h.triangle, a.triangle, select(0u, 1u, same), c.triangle));";
     let snippet = Snippet::new(
-        &["shared/features.wgsl", "shared/scene.wgsl", "shared/sampling.wgsl", "shared/surface.wgsl"],
+        &["scene/features.wgsl", "scene/scene.wgsl", "sampling/sampling.wgsl", "shading/surface.wgsl"],
         code,
     );
     for (name, triangles) in [("cube", cut_cube()), ("ball", ball(3, 500.0, Vec3::ZERO))] {

@@ -3,14 +3,14 @@
 use crate::common::{Row, Snippet, pass_info};
 use crate::device_or_return;
 use joton::backend::gpu::harness::Harness;
-use joton::film::tile_schedule::Rest;
+use joton::film::tile_schedule::TileSchedule;
 
 /// The list holds every pixel of the image once, those that rest least first; indices are those of the host.
 #[test]
 fn live_pixels_and_indices_are_the_hosts() {
     let context = device_or_return!();
     let size = [20, 12];
-    let rest = Rest::new(size, vec![3, 0, 1, 4, 0, 2]);
+    let rest = TileSchedule::new(size, vec![3, 0, 1, 4, 0, 2]);
     for pass_index in [0u32, 1, 5, 16, 32, 80, 1000, joton::packed::layout::PILOT_PASS] {
         let mut pass = pass_info();
         pass.set_image(size);
@@ -18,7 +18,7 @@ fn live_pixels_and_indices_are_the_hosts() {
         let mut harness = Harness::new(context);
         harness.rest(&rest);
         let snippet = Snippet {
-            imports: &["shared/live.wgsl"],
+            imports: &["camera/live.wgsl"],
             declarations: "@group(0) @binding(0) var<uniform> pass_info: PassInfo;",
             code: "out_u(0u, vec4(live_pixel(number), sequence_index(number), 0u, 0u));",
             overrides: &[],

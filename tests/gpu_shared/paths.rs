@@ -1,4 +1,4 @@
-//! shared/paths.wgsl against the automata of src/film/paths/mod.rs.
+//! paths/paths.wgsl against the automata of src/film/paths/mod.rs.
 
 use crate::common::{Row, Snippet, path_filter};
 use crate::device_or_return;
@@ -27,7 +27,7 @@ fn steps_and_answers_are_those_of_the_automaton() {
         let mut harness = Harness::new(context);
         harness.uniform("path_filter", &path_filter(expression));
         let snippet = Snippet {
-            imports: &["shared/paths.wgsl"],
+            imports: &["paths/paths.wgsl"],
             declarations: FILTER,
             code: "let i = in_u(0u);
                 out_u(0u, vec4(path_step(i.x, EVENT_D), path_step(i.x, EVENT_S),
@@ -64,7 +64,7 @@ fn walks_end_where_the_expression_says() {
         let mut harness = Harness::new(context);
         harness.uniform("path_filter", &path_filter(expression));
         let snippet = Snippet {
-            imports: &["shared/paths.wgsl"],
+            imports: &["paths/paths.wgsl"],
             declarations: FILTER,
             code: "let i = in_u(0u); var q = PATH_START; var last_d = 0u;
                 for (var k = 0u; k < i.x; k += 1u) {

@@ -1,10 +1,10 @@
-//! shared/rng.wgsl against src/sampling/rng.rs: integers and 24-bit fractions, so equal bit for bit.
+//! sampling/rng.wgsl against src/sampling/rng.rs: integers and 24-bit fractions, so equal bit for bit.
 
 use crate::common::{Row, Snippet, floats};
 use crate::device_or_return;
 use joton::sampling::rng;
 
-const IMPORTS: &[&str] = &["shared/rng.wgsl"];
+const IMPORTS: &[&str] = &["sampling/rng.wgsl"];
 
 /// Random words and the words at which carries, shifts and roundings change.
 fn words(count: usize) -> Vec<[Row; 1]> {

@@ -1,4 +1,4 @@
-//! shared/sampling.wgsl against its formulas in f64.
+//! sampling/sampling.wgsl against its formulas in f64.
 //!
 //! The kernels take no sine from the driver: Vulkan grants it an error of 2^-11. Tolerances on directions are a few roundings
 //! of f32, and three ulp of a square root.
@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use joton::sampling::distributions::unit_circle;
 use std::f64::consts::{PI, TAU};
 
-const IMPORTS: &[&str] = &["shared/sampling.wgsl"];
+const IMPORTS: &[&str] = &["sampling/sampling.wgsl"];
 const COUNT: usize = 4096;
 
 /// Random directions, the axes, and what lies next to the seam of the frame (z = ±0, z = −1).

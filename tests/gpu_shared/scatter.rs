@@ -1,4 +1,4 @@
-//! shared/scatter.wgsl: which normal counts, and where specular events send light.
+//! shading/scatter.wgsl: which normal counts, and where specular events send light.
 
 use crate::common::scenes::{Builder, glass};
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row3, vec3};
@@ -9,7 +9,7 @@ use joton::packed::{PackedMaterial, PackedScene};
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 
-const SCATTER: &[&str] = &["shared/features.wgsl", "shared/scene.wgsl", "shared/scatter.wgsl"];
+const SCATTER: &[&str] = &["scene/features.wgsl", "scene/scene.wgsl", "shading/scatter.wgsl"];
 
 /// A scene that only serves to fill the bindings.
 fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {

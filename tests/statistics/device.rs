@@ -8,17 +8,17 @@ use joton::plan::{Guides, Plan, Settings};
 use std::sync::Arc;
 
 const IMPORTS: &[&str] = &[
-    "shared/features.wgsl",
-    "shared/scene.wgsl",
-    "shared/scatter.wgsl",
-    "shared/emit.wgsl",
-    "shared/camera.wgsl",
+    "scene/features.wgsl",
+    "scene/scene.wgsl",
+    "shading/scatter.wgsl",
+    "lights/emit.wgsl",
+    "camera/camera.wgsl",
 ];
 const DECLARATIONS: &str = "override CAUSTIC: bool = false;
     @group(1) @binding(0) var<uniform> map_info: MapInfo;
     @group(1) @binding(1) var<uniform> targets: array<Target, 16>;\n";
 
-/// A scene on the device, for snippets that use the functions of shared/.
+/// A scene on the device, for snippets that use the functions of the shaders.
 pub struct Device<'a> {
     context: &'a Context,
     harness: Harness<'a>,

@@ -1,7 +1,7 @@
-//! Glints: trees look where lamps are seen through glass. The mean stays, the noise goes [E25].
+//! SplitPaths: trees look where lamps are seen through glass. The mean stays, the noise goes [E25].
 
 use crate::renders::{EVERYTHING, Side, file, open, plan};
-use joton::estimators::split_paths::{Glints, Light, Look};
+use joton::estimators::split_paths::{Light, Look, SplitPaths};
 use joton::film::{Layer, RELATIVE_OFFSET};
 use joton::packed::PackedScene;
 use joton::scene::Scene;
@@ -22,8 +22,8 @@ fn emission(side: Side, scene: &Arc<PackedScene>, trees: bool) -> Moments {
     let mut backend = open(side, scene, plan(scene, EVERYTHING, 1));
     if !trees {
         let nothing = Look { light: Light::Nowhere, branched: false, square: 0.0, squared_mean: 0.0 };
-        let none = Glints::mark(scene.size, &vec![nothing; scene.pixels()], &[]);
-        backend.set_glints(none).unwrap_or_else(|e| panic!("{e}"));
+        let none = SplitPaths::mark(scene.size, &vec![nothing; scene.pixels()], &[]);
+        backend.set_split_paths(none).unwrap_or_else(|e| panic!("{e}"));
     }
     let mut m = Moments { sum: vec![0.0; scene.pixels()], square: vec![0.0; scene.pixels()] };
     for pass in 0..PASSES {

@@ -10,7 +10,7 @@ use joton::sampling::rng::{purpose, random4, seed_at, sequence_seed, sequence2, 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Constants of shared/rng.wgsl whose names start so.
+/// Constants of sampling/rng.wgsl whose names start so.
 fn constants(prefix: &str) -> Vec<u32> {
     let (_, text) = joton::backend::gpu::SOURCES
         .iter()
@@ -84,7 +84,7 @@ fn purposes_are_listed_and_used() {
     };
     for (folder, lists) in [
         ("src", &["src/sampling/rng.rs", "src/backend/cpu/streams.rs", "src/backend/cpu/harness.rs"][..]),
-        ("shaders", &["shared/rng.wgsl"]),
+        ("shaders", &["sampling/rng.wgsl"]),
     ] {
         let files = sources(&root.join(folder));
         let (listing, using): (Vec<_>, Vec<_>) =
@@ -133,10 +133,10 @@ fn block() -> impl Iterator<Item = Address> {
 }
 
 /// The way to an address's neighbour.
-type Step = fn(Address) -> Address;
+type BoundKernel = fn(Address) -> Address;
 
 /// Neighbours of an address.
-const NEIGHBOURS: [(&str, Step); 8] = [
+const NEIGHBOURS: [(&str, BoundKernel); 8] = [
     ("itself", |a| a),
     ("next pass", |[s, p, x]| [s, p + 1, x]),
     ("next path", |[s, p, x]| [s, p, x + 1]),
@@ -167,7 +167,7 @@ fn cell(u: f32) -> u8 {
 const JOTONS: u32 = 1 << 14;
 
 /// Columns of every stream and of the first events of every purpose at an address's neighbour.
-fn columns(a: &Addresses, events: u32, at: Step) -> Vec<Column> {
+fn columns(a: &Addresses, events: u32, at: BoundKernel) -> Vec<Column> {
     let mut all = Vec::new();
     for &first in &a.dimensions {
         for dimension in first..first + events {

@@ -37,7 +37,7 @@ fn on_device(weights: &[f32], numbers: &[f32]) -> Option<Vec<Kept>> {
         out_u(0u, vec4(kept, bitcast<u32>(reservoir.choice), bitcast<u32>(reservoir.total), 0u));"
     );
     let inputs: Vec<[Row; 1]> = numbers.iter().map(|&u| [row([u, 0.0, 0.0, 0.0])]).collect();
-    let out: Vec<[Row; 1]> = Snippet::new(&["shared/reservoir.wgsl"], &code).run(context, &inputs);
+    let out: Vec<[Row; 1]> = Snippet::new(&["lights/reservoir.wgsl"], &code).run(context, &inputs);
     Some(out.iter().map(|[o]| (o[0], f32::from_bits(o[1]), f32::from_bits(o[2]))).collect())
 }
 

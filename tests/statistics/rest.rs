@@ -1,11 +1,11 @@
-//! Rest: tiles that take part in some of the passes only. The expected image stays; what rests wakes; nothing depends on
+//! TileSchedule: tiles that take part in some of the passes only. The expected image stays; what rests wakes; nothing depends on
 //! the threads.
 
 use crate::chi_square::Claims;
 use crate::common::scenes::{Builder, emitter};
 use crate::images::{BLOCKS, SEEDS, SIZE, claim, scene};
 use crate::renders::{EVERYTHING, Side, open, plan, run};
-use joton::film::tile_schedule::Rest;
+use joton::film::tile_schedule::TileSchedule;
 use joton::film::{Film, Layer, Picture};
 use joton::packed::PackedScene;
 use joton::plan::{Part, Plan};
@@ -18,7 +18,14 @@ fn sides() -> impl Iterator<Item = Side> {
 }
 
 /// Mean of `passes` passes; from pass `from` on with these rates.
-fn forced(side: Side, scene: &Arc<PackedScene>, plan: Plan, rest: &Rest, from: u64, passes: u64) -> Picture {
+fn forced(
+    side: Side,
+    scene: &Arc<PackedScene>,
+    plan: Plan,
+    rest: &TileSchedule,
+    from: u64,
+    passes: u64,
+) -> Picture {
     let mut backend = open(side, scene, plan);
     let mut film = Film::new(scene.size[0], scene.size[1]);
     for pass in 0..passes {
@@ -43,8 +50,8 @@ fn rates_do_not_change_the_expected_image() {
     let first = crate::chi_square::seed() * 10_000 + 5000;
     let keep_radii = |plan: &mut Plan| (plan.caustic.alpha, plan.diffuse.alpha) = (1.0, 1.0);
     // rates of every kind, side by side
-    let rest = Rest::new([SIZE; 2], vec![0, 1, 2, 2, 0, 1, 1, 2, 0]);
-    let seeds = |side: Side, rest: &Rest| -> Vec<Picture> {
+    let rest = TileSchedule::new([SIZE; 2], vec![0, 1, 2, 2, 0, 1, 1, 2, 0]);
+    let seeds = |side: Side, rest: &TileSchedule| -> Vec<Picture> {
         let seeds = (0..SEEDS).map(|s| first + 100 * side as u32 + if rest.is_none() { 50 + s } else { s });
         let render = |seed| {
             let mut plan = plan(&scene, EVERYTHING, seed);
@@ -53,7 +60,7 @@ fn rates_do_not_change_the_expected_image() {
         };
         seeds.map(render).collect()
     };
-    let awake = seeds(Side::Host, &Rest::none([SIZE; 2]));
+    let awake = seeds(Side::Host, &TileSchedule::none([SIZE; 2]));
     let mut claims = Claims::default();
     for side in sides() {
         claim(&mut claims, &format!("{side:?}"), &seeds(side, &rest), &awake, &Layer::ALL, &BLOCKS);

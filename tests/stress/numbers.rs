@@ -147,7 +147,7 @@ fn ray_counter(sheet: &mut Sheet) {
     (pass.eye, pass.right, pass.up, pass.forward) =
         (scene.camera.eye, scene.camera.right, scene.camera.up, scene.camera.forward);
     pass.set_image([SIZE, SIZE]);
-    let eye = kernel(context, "eye.wgsl", "main", &[]);
+    let eye = kernel(context, "passes/eye.wgsl", "main", &[]);
     let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
     harness.run(&eye, &[], &at, Work::Tiles(scene.size)).unwrap_or_else(|e| panic!("{e}"));
     let words: Vec<u32> = harness.read("status").unwrap_or_else(|e| panic!("{e}"));

@@ -10,7 +10,7 @@ use crate::backend::Tally;
 use crate::optics::lights::emit::kind;
 use crate::optics::lights::reservoir::Reservoir;
 use crate::optics::lights::sample::{LightSample, pdf_light, sample_light};
-use crate::optics::ray::{Ray, Surface, lift, visible};
+use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
 use crate::optics::shading::bsdf::{eval_d, eval_narrow, pdf_d, sample_d};
 use crate::packed::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
@@ -129,7 +129,7 @@ fn by_bsdf(
     }
     tally.rays += 1;
     let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
-    let Some(s) = Surface::hit(scene, &ray) else { return BLACK };
+    let Some(s) = SurfaceInteraction::hit(scene, &ray) else { return BLACK };
     if !s.front || !s.flags().is_emissive() {
         return BLACK;
     }

@@ -4,7 +4,7 @@ use super::splits::{Splits, branches, pick};
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
-use crate::optics::ray::{Ray, Surface};
+use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::{reflectance_d, sample_mirror};
 use crate::packed::layout::{NARROW_STOPS, SURE_EVENTS, SURVIVAL_MAX};
 use crate::packed::{CameraRay, PackedMaterial, PackedScene, PackedTriangle};
@@ -81,7 +81,7 @@ pub(super) fn follow<'a>(
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;
-        let Some(s) = Surface::hit(scene, &ray) else { return path };
+        let Some(s) = SurfaceInteraction::hit(scene, &ray) else { return path };
         length += s.distance;
         if s.front && s.flags().is_emissive() && wants_emission(plan, chain) {
             let emission = mul(&throughput, &s.material.emission);

@@ -1,9 +1,9 @@
 //! Gather: the radiance that leaves a gather point, from the jotons around it. L = throughput Σ f Φ w, w = 1/(π r²) or
 //! corrected for the boundary [E7, E15].
 
-use super::boundary::Weights;
 use super::eye::GatherPoint;
 use super::kd_tree::{EMPTY, LANES};
+use super::kernel_correction::Weights;
 use super::maps::JotonMap;
 use super::window::Window;
 use crate::optics::shading::bsdf::eval_d;

@@ -7,8 +7,8 @@ use super::eye::{ray_through, survival, wants_emission};
 use super::splits::{Branch, Splits, branches, pick};
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
-use crate::estimators::split_paths::{Glints, Light, Look, is_mixed};
-use crate::optics::ray::{Ray, Surface};
+use crate::estimators::split_paths::{Light, Look, SplitPaths, is_mixed};
+use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::{reflectance_d, sample_mirror};
 use crate::packed::layout::{PILOT_TREES, WAITING_MAX};
 use crate::packed::{CameraRay, PackedScene};
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 /// Of the trees of a pixel in the pilot the ones that tell whether there is anything to see but D surfaces: most pixels need no more.
 const PILOT_FIRST: u32 = 2;
 /// What one tree saw.
-struct Seen {
+struct TreeView {
     /// Radiance of the emitters on it.
     emission: Bands,
     /// It ended on an emitter, with nothing specular before.
@@ -48,7 +48,7 @@ fn tree(
     number: u64,
     weight: impl Fn(u32, &Splits) -> f32,
     tally: &mut Tally,
-) -> Seen {
+) -> TreeView {
     let place = sequence2(number, seed, pixel, STREAM_GLINT_JITTER);
     let (seed, number) = (seed_at(seed, (number >> 32) as u32), number as u32);
     let CameraRay { origin, direction, .. } = ray_through(scene, pixel, place);
@@ -56,14 +56,14 @@ fn tree(
     let mut waiting =
         [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0 }; WAITING_MAX as usize];
     let mut count = 1;
-    let mut seen = Seen { emission: BLACK, direct: false, branched: false };
+    let mut seen = TreeView { emission: BLACK, direct: false, branched: false };
     let mut node = 0;
     while count > 0 {
         count -= 1;
         let Way { mut ray, mut throughput, mut splits, mut events } = waiting[count];
         loop {
             tally.rays += 1;
-            let Some(s) = Surface::hit(scene, &ray) else { break };
+            let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };
             if s.front && s.flags().is_emissive() {
                 let emission = mul(&throughput, &s.material.emission);
                 seen.emission = add(&seen.emission, &scale(&emission, weight(events, &splits)));
@@ -124,7 +124,7 @@ fn tree(
 pub(super) fn emission(
     scene: &PackedScene,
     plan: &Plan,
-    glints: &Glints,
+    glints: &SplitPaths,
     pixel: u32,
     pass: u32,
     tally: &mut Tally,

@@ -6,7 +6,7 @@ use super::trace::jotons;
 use crate::backend::Tally;
 use crate::optics::lights::cone::{Beam, into_targets};
 use crate::optics::lights::emit::{self, Start};
-use crate::optics::ray::Surface;
+use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::bsdf::sample_mirror;
 use crate::packed::{Guide, NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
 use crate::plan::Plan;
@@ -92,7 +92,7 @@ pub fn mirror_lobe(material: &PackedMaterial, back: Vec3, normal: Vec3, u: [f32;
         e2: Vec3::Y,
         emitter: NO_EMITTER,
     };
-    let surface = Surface {
+    let surface = SurfaceInteraction {
         position: Vec3::ZERO,
         back,
         distance: 1.0,

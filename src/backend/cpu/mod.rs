@@ -4,8 +4,7 @@
 //! A pass: jotons → kd-trees → eye paths, direct light and gather, pixel by pixel. Every sum is taken in a fixed
 //! order: the same image whatever the number of threads.
 
-mod boundary;
-mod clip;
+mod clip_planes;
 mod direct;
 mod eye;
 mod gather;
@@ -13,6 +12,7 @@ mod glint;
 #[doc(hidden)]
 pub mod harness;
 mod kd_tree;
+mod kernel_correction;
 mod maps;
 mod path_tracer;
 mod pixels;
@@ -26,16 +26,16 @@ pub use path_tracer::PathTracer;
 use crate::backend::{Backend, Batch, Tally};
 use crate::error::Result;
 use crate::estimators::radii::{area_group, shrink};
-use crate::estimators::split_paths::Glints;
-use crate::film::tile_schedule::Rest;
+use crate::estimators::split_paths::SplitPaths;
+use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
 use crate::packed::layout::PILOT_PASS;
 use crate::packed::{PackedScene, scatter_area_points};
 use crate::plan::{Part, Plan};
 use crate::sampling::rng::sequence_seed;
 use crate::spectrum::{BLACK, Bands};
-use boundary::Interior;
-use clip::Clip;
+use clip_planes::Clip;
+use kernel_correction::Interior;
 use maps::{AreaMap, JotonMap};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -53,12 +53,12 @@ pub struct CpuBackend {
     /// Squared caustic radius of each pixel in the first pass; empty until it is needed.
     caustic_base: Vec<f32>,
     /// In which pixels trees look for emission; none until it is needed, or where no emission is traced.
-    glints: Option<Glints>,
+    glints: Option<SplitPaths>,
     /// Walls about each pixel's gather point; empty until they are needed.
     clips: Vec<Clip>,
     area: Option<Area>,
     survey: Option<Survey>,
-    rest: Rest,
+    rest: TileSchedule,
 }
 
 /// What is known of the diffuse surfaces' area, for a group of passes.
@@ -91,7 +91,7 @@ struct Pass<'a> {
     area: Option<&'a AreaMap>,
     caustic_base: &'a [f32],
     /// In which pixels trees look for emission; none where no emission is traced.
-    glints: Option<&'a Glints>,
+    glints: Option<&'a SplitPaths>,
     /// Factor on the squared caustic radius.
     caustic_shrink: f32,
     /// Radius of the diffuse map.
@@ -101,14 +101,14 @@ struct Pass<'a> {
     /// Walls about each pixel's gather point; empty where no map is traced.
     clips: &'a [Clip],
     /// Who rests.
-    rest: &'a Rest,
+    rest: &'a TileSchedule,
 }
 
 impl CpuBackend {
     /// A backend for a scene and its plan, on the threads of rayon's current pool.
     pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
         Self {
-            rest: Rest::none(scene.size),
+            rest: TileSchedule::none(scene.size),
             scene,
             plan,
             caustic_base: Vec::new(),
@@ -222,16 +222,16 @@ impl Backend for CpuBackend {
         self.plan.traces(layer)
     }
 
-    fn rest(&mut self, rest: &Rest) -> bool {
+    fn rest(&mut self, rest: &TileSchedule) -> bool {
         self.rest = rest.clone();
         !self.plan.settings.keeps(Part::Rest)
     }
 
-    fn glints(&self) -> Option<&Glints> {
+    fn split_paths(&self) -> Option<&SplitPaths> {
         self.glints.as_ref()
     }
 
-    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+    fn set_split_paths(&mut self, glints: SplitPaths) -> Result<()> {
         self.glints = Some(glints);
         Ok(())
     }
@@ -240,7 +240,7 @@ impl Backend for CpuBackend {
         let mut tally = Tally::default();
         if self.plan.traces(Layer::Emission) && self.glints.is_none() {
             let looks = glint::look(&self.scene, self.plan.settings.seed, PILOT_PASS);
-            self.glints = Some(Glints::mark(self.scene.size, &looks, &self.plan.lamp_images));
+            self.glints = Some(SplitPaths::mark(self.scene.size, &looks, &self.plan.lamp_images));
         }
         self.look_around();
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);

@@ -10,9 +10,9 @@ use crate::error::Result;
 use crate::film::paths::{Event, LightPaths};
 use crate::film::{LAYERS, Layer};
 use crate::optics::lights::sample::{pdf_light, sample_light};
-use crate::optics::ray::{Ray, Surface, lift, visible};
+use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
 use crate::optics::shading::bsdf::{
-    Boundary, eval_d, eval_narrow, pdf_d, reflectance_d, sample_d, sample_mirror,
+    DielectricInterface, eval_d, eval_narrow, pdf_d, reflectance_d, sample_d, sample_mirror,
 };
 use crate::packed::layout::SURVIVAL_MAX;
 use crate::packed::{CameraRay, PackedScene};
@@ -161,14 +161,14 @@ impl<'a> Path<'a> {
         let mut pdf_last: Option<f32> = None;
         loop {
             self.rays += 1;
-            let Some(s) = Surface::hit(scene, &ray) else { return };
+            let Some(s) = SurfaceInteraction::hit(scene, &ray) else { return };
             if s.front && s.flags().is_emissive() {
                 let weight = pdf_last.map_or(1.0, |pdf| pdf / (pdf + pdf_light(&scene.emitters, &s)));
                 self.found(&scale(&mul(&throughput, &s.material.emission), weight));
             }
             let [u_way, u0, u1, u_lobe] = self.random(0);
             let direction = if s.flags().is_dielectric() {
-                let b = Boundary::at(&s);
+                let b = DielectricInterface::at(&s);
                 let p = b.fresnel;
                 self.events.push(Event::S);
                 pdf_last = None;
@@ -230,7 +230,7 @@ impl<'a> Path<'a> {
     }
 
     /// A shadow ray to an emitter; in a narrow lobe, which is followed, too, only to those without area.
-    fn next_event(&mut self, s: &Surface, throughput: &Bands, u: [f32; 2], lobe: Lobe) {
+    fn next_event(&mut self, s: &SurfaceInteraction, throughput: &Bands, u: [f32; 2], lobe: Lobe) {
         let origin = lift(s.position, s.ng, s.triangle);
         let Some(l) = sample_light(&self.scene.emitters, origin, u) else { return };
         let cos_s = l.wi.dot(s.ns);

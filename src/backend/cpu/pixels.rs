@@ -1,8 +1,8 @@
 //! Pixels: one pass's eye path, direct light and gather of every pixel, in small tiles so that neighbours share caches.
 
-use super::boundary::{Interior, Weights, weights};
-use super::clip::{self, Clip, Walls};
+use super::clip_planes::{self, Clip, Walls};
 use super::gather::{count, radiance};
+use super::kernel_correction::{Interior, Weights, weights};
 use super::maps::{AreaMap, JotonMap};
 use super::window::Window;
 use super::{Pass, direct, eye, glint};
@@ -155,7 +155,7 @@ pub(super) fn look_around(
             let limits = caustic_limits(scene, plan, &g);
             (count(map, &Window::new(&g, limits[1] * limits[1])), limits)
         });
-        (found, clip::find(scene, area, &g, plan.diffuse.base as f32))
+        (found, clip_planes::find(scene, area, &g, plan.diffuse.base as f32))
     };
     (0..scene.pixels() as u32).into_par_iter().map(look).unzip()
 }

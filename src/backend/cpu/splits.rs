@@ -1,8 +1,8 @@
 //! Splits: where a camera tree takes both ways, and how likely an eye path is to go where a tree goes anyway [E25].
-//! Twin: shaders/shared/splits.wgsl.
+//! Twin: shaders/paths/splits.wgsl.
 
-use crate::optics::ray::Surface;
-use crate::optics::shading::bsdf::Boundary;
+use crate::optics::ray::SurfaceInteraction;
+use crate::optics::shading::bsdf::DielectricInterface;
 use crate::packed::layout::SPLIT_MIN;
 use crate::spectrum::{Bands, max, mul, scale};
 use glam::Vec3;
@@ -22,12 +22,12 @@ impl Splits {
         Self { share: 1.0, chance: 1.0 }
     }
 
-    /// Whether a tree takes both ways at a boundary; `carried` is the flux of what arrives.
+    /// Whether a tree takes both ways at a interface; `carried` is the flux of what arrives.
     pub(super) fn takes_both(&self, ways: &[Branch; 2], carried: f32) -> bool {
         ways[0].kept.min(ways[1].kept) / carried * self.share >= SPLIT_MIN
     }
 
-    /// After the way `taken` of these at a boundary.
+    /// After the way `taken` of these at a interface.
     pub(super) fn after(&self, ways: &[Branch; 2], taken: usize, carried: f32) -> Self {
         let kept = ways[0].kept + ways[1].kept;
         if self.takes_both(ways, carried) {
@@ -53,7 +53,7 @@ impl Splits {
     }
 }
 
-/// One way at a dielectric boundary.
+/// One way at a dielectric interface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Branch {
     /// Unit vector.
@@ -64,9 +64,9 @@ pub(super) struct Branch {
     pub(super) kept: f32,
 }
 
-/// Off a dielectric boundary, and through it.
-pub(super) fn branches(s: &Surface, throughput: &Bands) -> [Branch; 2] {
-    let b = Boundary::at(s);
+/// Off a dielectric interface, and through it.
+pub(super) fn branches(s: &SurfaceInteraction, throughput: &Bands) -> [Branch; 2] {
+    let b = DielectricInterface::at(s);
     let reflected = scale(&mul(throughput, &s.material.specular), b.fresnel);
     let transmitted = scale(&mul(throughput, &s.material.transmission), 1.0 - b.fresnel);
     let radiance_scale = b.eta_i_over_t * b.eta_i_over_t;

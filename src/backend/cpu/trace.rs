@@ -9,9 +9,9 @@ use super::streams::*;
 use crate::backend::{Cause, Tally};
 use crate::film::paths::{DEAD, Event, LightPaths};
 use crate::optics::lights::emit::{Start, aimed, by_law};
-use crate::optics::ray::{Ray, Surface};
-use crate::optics::shading::bsdf::{Boundary, eval_d, pdf_d, sample_d, specular_direction};
-use crate::optics::shading::roulette::Odds;
+use crate::optics::ray::{Ray, SurfaceInteraction};
+use crate::optics::shading::bsdf::{DielectricInterface, eval_d, pdf_d, sample_d, specular_direction};
+use crate::optics::shading::roulette::EventProbabilities;
 use crate::packed::PackedScene;
 use crate::packed::layout::UNSEEN_STORED;
 use crate::plan::Plan;
@@ -96,7 +96,7 @@ impl Tracer<'_> {
                 return;
             }
             self.tally.rays += 1;
-            let Some(s) = Surface::hit(self.scene, &ray) else {
+            let Some(s) = SurfaceInteraction::hit(self.scene, &ray) else {
                 if !CAUSTIC {
                     add_flux(&mut self.tally.escaped, &flux, 1.0);
                 }
@@ -111,22 +111,24 @@ impl Tracer<'_> {
                 }
             }
             let [u_way, u0, u1, u_lobe] = random4(self.plan.settings.seed, self.pass, i, dimension + event);
-            let boundary = s.flags().is_dielectric().then(|| Boundary::at(&s));
-            let odds = Odds::new(&s, boundary.as_ref(), &flux, event);
+            let interface = s.flags().is_dielectric().then(|| DielectricInterface::at(&s));
+            let probabilities = EventProbabilities::new(&s, interface.as_ref(), &flux, event);
             if !CAUSTIC {
-                let lost =
-                    odds.ways.iter().fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
+                let lost = probabilities
+                    .ways
+                    .iter()
+                    .fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
                 add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
             }
-            let Some(way) = odds.choose(u_way) else { return };
+            let Some(way) = probabilities.choose(u_way) else { return };
             if CAUSTIC && way == 0 {
                 return;
             }
-            let (reflectance, probability) = odds.ways[way];
+            let (reflectance, probability) = probabilities.ways[way];
             let kept = scale(&mul(&flux, &reflectance), 1.0 / probability);
             let leaving = match way {
                 0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
-                _ => specular_direction(&s, boundary.as_ref(), way == 2, [u0, u1]),
+                _ => specular_direction(&s, interface.as_ref(), way == 2, [u0, u1]),
             };
             flux = match leaving {
                 Some(w) if way == 0 => self.scatter(&s, w, &scale(&flux, adjoint_in / probability)),
@@ -156,7 +158,7 @@ impl Tracer<'_> {
     }
 
     /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E11].
-    fn scatter(&self, s: &Surface, w: glam::Vec3, flux: &Bands) -> Bands {
+    fn scatter(&self, s: &SurfaceInteraction, w: glam::Vec3, flux: &Bands) -> Bands {
         let cos_ng = w.dot(s.ng);
         if cos_ng <= 0.0 {
             return [0.0; BANDS];
@@ -172,8 +174,8 @@ impl Tracer<'_> {
 
     /// How many jotons this one of the diffuse map stands for; 0 where another stands for it. Where the camera does not look one
     /// of a few is stored [E23].
-    fn counts_as(&mut self, s: &Surface, i: u32, event: u32) -> f32 {
-        if self.plan.marks.as_ref().is_none_or(|marks| marks.holds(s.position)) {
+    fn counts_as(&mut self, s: &SurfaceInteraction, i: u32, event: u32) -> f32 {
+        if self.plan.visible_cells.as_ref().is_none_or(|cells| cells.holds(s.position)) {
             return 1.0;
         }
         let [u, ..] = random4(self.plan.settings.seed, self.pass, i, DIMENSION_UNSEEN + event);
@@ -184,7 +186,7 @@ impl Tracer<'_> {
         0.0
     }
 
-    fn store(&mut self, s: &Surface, flux: &Bands, state: u32) {
+    fn store(&mut self, s: &SurfaceInteraction, flux: &Bands, state: u32) {
         if state == DEAD {
             return;
         }
@@ -197,7 +199,7 @@ impl Tracer<'_> {
 }
 
 /// Veach's factor for an S event [E11]: the same as for a D event, so that jotons see the surface that the eye sees.
-fn specular_adjoint(s: &Surface, w: glam::Vec3) -> f32 {
+fn specular_adjoint(s: &SurfaceInteraction, w: glam::Vec3) -> f32 {
     let n = s.specular_normal();
     limited((s.back.dot(n) * w.dot(s.ng) / (s.back.dot(s.ng) * w.dot(n))).abs())
 }

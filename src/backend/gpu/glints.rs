@@ -1,34 +1,34 @@
-//! Glints on the device: the lists of pixels that have trees, strip by strip, and the dispatches that grow them.
+//! SplitPaths on the device: the lists of pixels that have trees, strip by strip, and the dispatches that grow them.
 
 use super::GpuBackend;
-use super::pipelines::{Glint, Steps};
+use super::pipelines::{Glint, PassGraph};
 use super::recorder::Recorder;
 use crate::error::Result;
-use crate::estimators::split_paths::{Glints, Light, List, Look, TREES_MAX};
+use crate::estimators::split_paths::{Light, List, Look, SplitPaths, TREES_MAX};
 use crate::packed::layout::PassInfo;
 use crate::plan::strips::Strip;
 use std::ops::Range;
 
 /// The lists: of the strips, which are on the device in turn.
-pub(super) struct GlintLists {
-    whose: Option<Glints>,
+pub(super) struct SplitPathLists {
+    whose: Option<SplitPaths>,
     lists: Vec<List>,
 }
 
-impl GlintLists {
+impl SplitPathLists {
     /// No pixel has trees.
     pub(super) fn none() -> Self {
         Self { whose: None, lists: Vec::new() }
     }
 
     /// Which pixels have trees.
-    pub(super) fn whose(&self) -> Option<&Glints> {
+    pub(super) fn whose(&self) -> Option<&SplitPaths> {
         self.whose.as_ref()
     }
 
     /// Passes of which one has a tree, in pixels that have one now and then.
     pub(super) fn turns(&self) -> u32 {
-        self.whose.as_ref().map_or(1, Glints::turns)
+        self.whose.as_ref().map_or(1, SplitPaths::turns)
     }
 
     /// The list of a strip in parts that fit the buffer: one, but where trees crowd in a strip. Each begins at a multiple of the
@@ -63,7 +63,7 @@ impl GlintLists {
 }
 
 /// Record that the gather points learn the levels of the first so many entries of the list that is on the device.
-pub(super) fn record_marks(recorder: &mut Recorder<'_>, steps: &Steps, count: u32, pass: &PassInfo) {
+pub(super) fn record_marks(recorder: &mut Recorder<'_>, steps: &PassGraph, count: u32, pass: &PassInfo) {
     if let Some(Glint { mark, .. }) = &steps.glint {
         let info = PassInfo { glint_first: 0, glint_count: count, ..*pass };
         let at = [("pass_info", recorder.ring.push(&info))];
@@ -83,13 +83,13 @@ pub(super) fn look(&[light, branched, square, squared_mean]: &[f32; 4]) -> Look 
 
 impl GpuBackend {
     /// From now on these have trees.
-    pub(super) fn upload_glints(&mut self, glints: Glints) -> Result<()> {
+    pub(super) fn upload_glints(&mut self, glints: SplitPaths) -> Result<()> {
         let width = self.scene.size[0];
         let list = |strip: Strip| {
             glints.list(strip.first * width..(strip.first + strip.rows) * width, self.plan.settings.seed)
         };
         let lists: Vec<List> = self.strips.each().map(list).collect();
-        self.glints = GlintLists { whose: Some(glints), lists };
+        self.glints = SplitPathLists { whose: Some(glints), lists };
         if self.strips.count() > 1 {
             // each strip is told when its turn comes
             return Ok(());

@@ -11,7 +11,7 @@ use super::scene_buffers;
 use super::tiles::{BINDING_BYTES, TILES_PER_DISPATCH, Tiles};
 use crate::error::Result;
 use crate::estimators::maps::MapKind;
-use crate::film::tile_schedule::Rest;
+use crate::film::tile_schedule::TileSchedule;
 use crate::packed::PackedScene;
 use crate::packed::layout::MapInfo;
 use crate::plan::Plan;
@@ -71,7 +71,7 @@ impl<'a> Harness<'a> {
     }
 
     /// List the tiles of an image, those that rest least first.
-    pub fn rest(&mut self, rest: &Rest) {
+    pub fn rest(&mut self, rest: &TileSchedule) {
         let (_, words) = Tiles::new(rest.clone());
         self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
     }
@@ -112,7 +112,7 @@ impl<'a> Harness<'a> {
         match work {
             Work::Invocations(n) => recorder.dispatch(&step, &at, n),
             Work::Tiles(size) => {
-                recorder.dispatch_tiles(&step, &at, Rest::none(size).exponents().len() as u32)
+                recorder.dispatch_tiles(&step, &at, TileSchedule::none(size).exponents().len() as u32)
             }
             Work::Groups(groups) => recorder.dispatch_groups(&step, &at, groups),
         }
@@ -179,7 +179,7 @@ impl Harness<'_> {
     /// area_starts and says in `info` how they are cut.
     pub fn area_points(&mut self, scene: &PackedScene, radius: f64, seed: u32, info: &mut MapInfo) {
         let count = area_points_wanted(scene, radius, area_points_most(None));
-        let grid = super::area::build(scene, radius, count, seed);
+        let grid = super::area_samples::build(scene, radius, count, seed);
         self.storage("area_points", &grid.points);
         self.storage("area_starts", &grid.starts);
         info.area_each = grid.each;

@@ -58,7 +58,7 @@ fn is_dynamic(name: &str) -> bool {
 }
 
 /// A kernel with its buffers, ready to be dispatched.
-pub struct Step {
+pub struct BoundKernel {
     label: String,
     pipeline: wgpu::ComputePipeline,
     groups: Vec<wgpu::BindGroup>,
@@ -167,7 +167,7 @@ impl Kernel {
         context: &Context,
         buffers: &Buffers,
         renamed: &[(&str, &'static str)],
-    ) -> Result<Step> {
+    ) -> Result<BoundKernel> {
         let buffer_of = |b: &Binding| {
             let name = if IN_RING.contains(&b.name.as_str()) {
                 "ring"
@@ -205,14 +205,14 @@ impl Kernel {
             dynamic.push(here().filter(|b| is_dynamic(&b.name)).map(|b| b.name.clone()).collect());
         }
         context.check()?;
-        Ok(Step { label: self.label.clone(), pipeline: self.pipeline.clone(), groups, dynamic })
+        Ok(BoundKernel { label: self.label.clone(), pipeline: self.pipeline.clone(), groups, dynamic })
     }
 
     /// Bind buffers of its own, as small as they can be, with zeros in them; and the buffer of the ring.
     ///
     /// # Errors
     /// [`Error::Device`] where the device fails.
-    pub(super) fn bind_nothing(&self, context: &Context) -> Result<(Step, wgpu::Buffer)> {
+    pub(super) fn bind_nothing(&self, context: &Context) -> Result<(BoundKernel, wgpu::Buffer)> {
         let mut buffers = Buffers::new();
         let ring = device_buffers::uniform(context, "ring", RING_BYTES);
         buffers.insert("ring", ring.clone());
@@ -238,9 +238,10 @@ const NOTHING: [&str; 20] = [
 /// Bytes of each: room for an element.
 const NOTHING_BYTES: u64 = 4096;
 
-/// "scan reduce" for scan.wgsl's entry reduce, "eye" for the only entry of eye.wgsl.
+/// "scan reduce" for passes/scan.wgsl's entry reduce, "eye" for the only entry of passes/eye.wgsl.
 fn label_of(path: &str, entry: &str) -> String {
-    let stem = path.trim_end_matches(".wgsl");
+    let name = path.rsplit('/').next().unwrap_or(path);
+    let stem = name.trim_end_matches(".wgsl");
     if entry == "main" { stem.to_string() } else { format!("{stem} {entry}") }
 }
 
@@ -295,7 +296,7 @@ fn reflect(module: &naga::Module) -> Vec<Binding> {
 /// Offsets into the ring, by the names of the dynamic uniforms.
 pub(super) type Offsets<'a> = &'a [(&'a str, u32)];
 
-impl Step {
+impl BoundKernel {
     /// Name of the kernel: file and entry point.
     pub(super) fn label(&self) -> &str {
         &self.label

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::device_buffers::Buffers;
-use super::kernel::{Kernel, Step};
+use super::kernel::{BoundKernel, Kernel};
 use super::recorder::Recorder;
 use crate::error::Result;
 use crate::estimators::maps::MapKind;
@@ -57,15 +57,15 @@ impl MapKernels {
     pub(super) fn new(context: &Context) -> Result<Self> {
         let kernel = |path: &str, entry: &str| Kernel::new(context, path, entry, &[]);
         Ok(Self {
-            lane_counts: kernel("lane_counts.wgsl", "main")?,
-            scan_reduce: kernel("scan.wgsl", "reduce")?,
-            scan_spine: kernel("scan.wgsl", "spine")?,
-            scan_apply: kernel("scan.wgsl", "apply")?,
-            keys: kernel("map_keys.wgsl", "main")?,
-            radix_count: kernel("radix.wgsl", "count")?,
-            radix_scatter: kernel("radix.wgsl", "scatter")?,
-            starts: kernel("map_starts.wgsl", "main")?,
-            reorder: kernel("map_reorder.wgsl", "main")?,
+            lane_counts: kernel("passes/lane_counts.wgsl", "main")?,
+            scan_reduce: kernel("passes/scan.wgsl", "reduce")?,
+            scan_spine: kernel("passes/scan.wgsl", "spine")?,
+            scan_apply: kernel("passes/scan.wgsl", "apply")?,
+            keys: kernel("passes/map_keys.wgsl", "main")?,
+            radix_count: kernel("passes/radix.wgsl", "count")?,
+            radix_scatter: kernel("passes/radix.wgsl", "scatter")?,
+            starts: kernel("passes/map_starts.wgsl", "main")?,
+            reorder: kernel("passes/map_reorder.wgsl", "main")?,
         })
     }
 
@@ -92,20 +92,20 @@ pub(super) struct Map {
     /// How it is cut into lanes.
     pub shape: MapLayout,
     machine: DeviceLimits,
-    trace: Step,
-    lane_counts: Step,
-    lane_scan: [Step; 3],
-    keys: Step,
+    trace: BoundKernel,
+    lane_counts: BoundKernel,
+    lane_scan: [BoundKernel; 3],
+    keys: BoundKernel,
     digits: Vec<Digit>,
-    starts: Step,
-    reorder: Step,
+    starts: BoundKernel,
+    reorder: BoundKernel,
 }
 
-/// Steps of one digit of the sort.
+/// PassGraph of one digit of the sort.
 struct Digit {
-    count: Step,
-    scan: [Step; 3],
-    scatter: Step,
+    count: BoundKernel,
+    scan: [BoundKernel; 3],
+    scatter: BoundKernel,
 }
 
 impl Map {
@@ -127,7 +127,7 @@ impl Map {
             MapKind::Diffuse => ["tallies_diffuse", "emitters_diffuse", "warps_diffuse"],
         };
         let names = [("tallies", tallies), ("emitters", emitters), ("warps", warps)];
-        let scan = |values: &'static str| -> Result<[Step; 3]> {
+        let scan = |values: &'static str| -> Result<[BoundKernel; 3]> {
             let names = [("values", values)];
             Ok([
                 kernels.scan_reduce.bind(context, buffers, &names)?,
@@ -226,7 +226,7 @@ impl Map {
 }
 
 /// Record an exclusive scan in place.
-fn record_scan(recorder: &mut Recorder<'_>, steps: &[Step; 3], count: u32) {
+fn record_scan(recorder: &mut Recorder<'_>, steps: &[BoundKernel; 3], count: u32) {
     let blocks = count.div_ceil(SCAN_BLOCK);
     let scan_info = recorder.ring.push(&ScanInfo { count, block: SCAN_BLOCK, blocks, pad: 0 });
     let at = [("scan_info", scan_info)];

@@ -1,6 +1,6 @@
 //! The GPU backend: passes as WGSL compute kernels through wgpu.
 
-mod area;
+mod area_samples;
 mod context;
 mod device_buffers;
 mod films;
@@ -21,14 +21,14 @@ mod tiles;
 
 pub use context::{Context, adapters};
 pub use device_buffers::Buffers;
-pub use kernel::{Kernel, Step};
+pub use kernel::{BoundKernel, Kernel};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
 use crate::backend::{Backend, Batch, Tally};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
-use crate::estimators::split_paths::Glints;
-use crate::film::tile_schedule::Rest;
+use crate::estimators::split_paths::SplitPaths;
+use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
 use crate::packed::PackedScene;
 use crate::packed::layout::{LaneTally, MapInfo, PassInfo, TILE, TRAVERSAL_STACK, status};
@@ -37,9 +37,9 @@ use crate::plan::map_layout::{MapLayout, MapLayouts, roomy};
 use crate::plan::strips::{Strip, Strips};
 use crate::plan::{Part, Plan};
 use crate::spectrum::{BANDS, Bands};
-use area::AreaState;
-use glints::GlintLists;
-use pipelines::{Kernels, Steps};
+use area_samples::AreaState;
+use glints::SplitPathLists;
+use pipelines::{Kernels, PassGraph};
 use precompile::Precompiler;
 use recorder::{Recorder, Timer};
 use ring::Ring;
@@ -61,7 +61,7 @@ pub struct GpuBackend {
     plan: Plan,
     buffers: Buffers,
     kernels: Kernels,
-    steps: Option<Steps>,
+    steps: Option<PassGraph>,
     shapes: MapLayouts,
     strips: Strips,
     kept: Vec<Kept>,
@@ -69,7 +69,7 @@ pub struct GpuBackend {
     strip_films: Option<[Vec<Bands>; LAYERS]>,
     area: Option<AreaState>,
     tiles: Tiles,
-    glints: GlintLists,
+    glints: SplitPathLists,
     ring: Ring,
     timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
@@ -91,7 +91,7 @@ impl GpuBackend {
         let kernels = Kernels::new(&context, &scene, &plan)?;
         let precompiler = Precompiler::start(&context, &kernels);
         let buffers = scene_buffers::upload(&context, &scene, &plan)?;
-        let (tiles, words) = Tiles::new(Rest::none(scene.size));
+        let (tiles, words) = Tiles::new(TileSchedule::none(scene.size));
         context.queue.write_buffer(&buffers["tiles"], 0, bytemuck::cast_slice(&words));
         let machine = context.machine();
         let lanes = |emitted: u32| (emitted > 0).then(|| MapLayout::new(emitted, &machine));
@@ -112,7 +112,7 @@ impl GpuBackend {
             strip_films: None,
             area: None,
             tiles,
-            glints: GlintLists::none(),
+            glints: SplitPathLists::none(),
             ring,
             timer: None,
             staging: None,
@@ -151,7 +151,7 @@ impl GpuBackend {
         }
         context.check()?;
         let apart = self.needs().maps_apart();
-        self.steps = Some(Steps::new(context, &self.kernels, &self.shapes, apart, &self.buffers)?);
+        self.steps = Some(PassGraph::new(context, &self.kernels, &self.shapes, apart, &self.buffers)?);
         Ok(())
     }
 
@@ -203,7 +203,7 @@ impl GpuBackend {
         let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
         let schedule = if kind == MapKind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
         let mut info = map.info(&self.scene, schedule, pass, random_pass, self.plan.jotons(kind));
-        info.marks_per_unit = self.plan.marks.as_ref().map_or(0.0, |m| m.per_unit);
+        info.marks_per_unit = self.plan.visible_cells.as_ref().map_or(0.0, |m| m.per_unit);
         if let (MapKind::Diffuse, Some(area)) = (kind, &self.area) {
             info.area_each = area.each;
             info.area_cells_per_unit = area.cells_per_unit;
@@ -341,18 +341,18 @@ impl Backend for GpuBackend {
         self.plan.traces(layer)
     }
 
-    fn rest(&mut self, rest: &Rest) -> bool {
+    fn rest(&mut self, rest: &TileSchedule) -> bool {
         let (tiles, words) = Tiles::new(rest.clone());
         self.tiles = tiles;
         self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
         self.strips.count() == 1 && !self.plan.settings.keeps(Part::Rest)
     }
 
-    fn glints(&self) -> Option<&Glints> {
+    fn split_paths(&self) -> Option<&SplitPaths> {
         self.glints.whose()
     }
 
-    fn set_glints(&mut self, glints: Glints) -> Result<()> {
+    fn set_split_paths(&mut self, glints: SplitPaths) -> Result<()> {
         self.upload_glints(glints)
     }
 

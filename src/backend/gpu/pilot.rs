@@ -1,12 +1,12 @@
 //! The pilot: what is found out on the device before the first pass, with random numbers of no pass that is rendered.
 
 use super::glints;
-use super::pipelines::{Glint, Steps};
+use super::pipelines::{Glint, PassGraph};
 use super::recorder::Recorder;
 use super::{DISPATCHES_MAX, GpuBackend, check_traversal};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
-use crate::estimators::split_paths::{Glints, Look};
+use crate::estimators::split_paths::{Look, SplitPaths};
 use crate::host::memory;
 use crate::packed::layout::{EDGE_OTHERS, MapInfo, PILOT_PASS, PassInfo, status};
 use crate::plan::buffers::fit;
@@ -41,7 +41,7 @@ impl GpuBackend {
             }
         }
         if !looks.is_empty() {
-            self.upload_glints(Glints::mark(self.scene.size, &looks, &self.plan.lamp_images))?;
+            self.upload_glints(SplitPaths::mark(self.scene.size, &looks, &self.plan.lamp_images))?;
         }
         // of glints and walls, too, nothing was missed
         check_traversal(&self.status_words()?)?;
@@ -135,7 +135,7 @@ impl GpuBackend {
         let pass = self.pass_info(PILOT_PASS, strip);
         let info = self.map_info(MapKind::Caustic, 0, PILOT_PASS);
         let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
-        let Some(Steps { eye, pilot: Some([count, radius]), .. }) = &self.steps else { return Ok(()) };
+        let Some(PassGraph { eye, pilot: Some([count, radius]), .. }) = &self.steps else { return Ok(()) };
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
         recorder.dispatch_tiles(eye, &at, tiles);
@@ -149,7 +149,9 @@ impl GpuBackend {
     fn look_for_glints(&mut self, strip: Strip) -> Result<Vec<Look>> {
         let pass = self.pass_info(PILOT_PASS, strip);
         let tiles = self.tiles_of(strip);
-        let Some(Steps { glint: Some(Glint { pilot, .. }), .. }) = &self.steps else { return Ok(Vec::new()) };
+        let Some(PassGraph { glint: Some(Glint { pilot, .. }), .. }) = &self.steps else {
+            return Ok(Vec::new());
+        };
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass))];
         recorder.dispatch_tiles(pilot, &at, tiles);
@@ -173,7 +175,7 @@ impl GpuBackend {
             .into_iter()
             .chain(&steps.direct)
             .chain(steps.glint.iter().flat_map(|g| [&g.trees, &g.sum]));
-        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(&steps.boundary);
+        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(&steps.kernel_correction);
         for step in kernels.chain(maps) {
             recorder.dispatch(step, &at, 1);
         }
@@ -188,8 +190,11 @@ impl GpuBackend {
         let mut info = self.map_info(kind, 0, PILOT_PASS);
         info.radius = self.plan.diffuse.radius(0) as f32;
         let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
-        let Some(Steps { eye, boundary, clip: Some(clip), .. }) = &self.steps else { return Ok(()) };
-        if boundary.is_none() {
+        let Some(PassGraph { eye, kernel_correction, clip_planes: Some(clip_planes), .. }) = &self.steps
+        else {
+            return Ok(());
+        };
+        if kernel_correction.is_none() {
             // nothing is known of what is near
             let anything = vec![EDGE_OTHERS; pixels as usize];
             self.context.queue.write_buffer(&self.buffers["edges"], 0, bytemuck::cast_slice(&anything));
@@ -197,12 +202,12 @@ impl GpuBackend {
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
         recorder.dispatch_tiles(eye, &at, tiles);
-        if let Some(boundary) = boundary {
+        if let Some(kernel_correction) = kernel_correction {
             // pixels without a gather point keep what is there
             recorder.clear(&self.buffers["edges"]);
-            recorder.dispatch_tiles(boundary, &at, tiles);
+            recorder.dispatch_tiles(kernel_correction, &at, tiles);
         }
-        recorder.dispatch(clip, &at, pixels);
+        recorder.dispatch(clip_planes, &at, pixels);
         recorder.submit(&self.context, &self.buffers["ring"]);
         self.context.wait()
     }

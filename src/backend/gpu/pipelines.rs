@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::device_buffers::Buffers;
-use super::kernel::{Kernel, Offsets, SMALL_SCENE, Step, TRIANGLES_PART};
+use super::kernel::{BoundKernel, Kernel, Offsets, SMALL_SCENE, TRIANGLES_PART};
 use super::map::{Map, MapKernels};
 use super::recorder::Recorder;
 use super::scene_buffers;
@@ -22,8 +22,8 @@ pub(super) struct Kernels {
     direct: Option<Kernel>,
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
-    boundary: Option<Kernel>,
-    clip: Option<Kernel>,
+    kernel_correction: Option<Kernel>,
+    clip_planes: Option<Kernel>,
     caustic_count: Option<Kernel>,
     caustic_radius: Option<Kernel>,
     map: Option<MapKernels>,
@@ -62,7 +62,7 @@ impl Kernels {
             overrides.extend([
                 ("CAUSTIC", flag(caustic)),
                 ("HAS_WARPS", flag(has_warps)),
-                ("HAS_MARKS", flag(plan.marks.is_some())),
+                ("HAS_VISIBLE_CELLS", flag(plan.visible_cells.is_some())),
             ]);
             Kernel::new(context, path, "main", &overrides)
         };
@@ -74,29 +74,35 @@ impl Kernels {
             ("WANTED", f64::from(plan.caustic_wanted)),
         ];
         Ok(Self {
-            eye: compile("eye.wgsl")?,
+            eye: compile("passes/eye.wgsl")?,
             glint: if plan.traces(Layer::Emission) {
-                Some([compile("glint.wgsl")?, compile("glint_sum.wgsl")?, compile("glint_mark.wgsl")?])
+                Some([
+                    compile("passes/glint.wgsl")?,
+                    compile("passes/glint_sum.wgsl")?,
+                    compile("passes/glint_mark.wgsl")?,
+                ])
             } else {
                 None
             },
-            direct: optional(plan.traces(Layer::Direct), &|| compile("direct.wgsl"))?,
+            direct: optional(plan.traces(Layer::Direct), &|| compile("passes/direct.wgsl"))?,
             trace: [
-                optional(caustic, &|| with("trace.wgsl", true))?,
-                optional(diffuse, &|| with("trace.wgsl", false))?,
+                optional(caustic, &|| with("passes/trace.wgsl", true))?,
+                optional(diffuse, &|| with("passes/trace.wgsl", false))?,
             ],
             gather: [
-                optional(caustic, &|| with("gather.wgsl", true))?,
-                optional(diffuse, &|| with("gather.wgsl", false))?,
+                optional(caustic, &|| with("passes/gather.wgsl", true))?,
+                optional(diffuse, &|| with("passes/gather.wgsl", false))?,
             ],
-            boundary: optional(diffuse, &|| {
+            kernel_correction: optional(diffuse, &|| {
                 let overrides = [("SPECULAR_BODIES", flag(plan.has_specular_bodies()))];
-                Kernel::new(context, "boundary.wgsl", "main", &overrides)
+                Kernel::new(context, "passes/kernel_correction.wgsl", "main", &overrides)
             })?,
-            clip: optional(caustic || diffuse, &|| compile("clip.wgsl"))?,
-            caustic_count: optional(caustic, &|| Kernel::new(context, "caustic_count.wgsl", "main", &pilot))?,
+            clip_planes: optional(caustic || diffuse, &|| compile("passes/clip_planes.wgsl"))?,
+            caustic_count: optional(caustic, &|| {
+                Kernel::new(context, "passes/caustic_count.wgsl", "main", &pilot)
+            })?,
             caustic_radius: optional(caustic, &|| {
-                Kernel::new(context, "caustic_radius.wgsl", "main", &pilot)
+                Kernel::new(context, "passes/caustic_radius.wgsl", "main", &pilot)
             })?,
             map: (caustic || diffuse).then(|| MapKernels::new(context)).transpose()?,
         })
@@ -112,8 +118,8 @@ impl Kernels {
         all.push(&self.eye);
         all.extend(&self.caustic_count);
         all.extend(&self.caustic_radius);
-        all.extend(&self.boundary);
-        all.extend(&self.clip);
+        all.extend(&self.kernel_correction);
+        all.extend(&self.clip_planes);
         all.extend(&self.direct);
         all.extend(self.gather.iter().flatten());
         all
@@ -126,25 +132,25 @@ const SORTED_APART: [(&str, &str); 2] =
 
 /// The trees that look for emission.
 pub(super) struct Glint {
-    pub(super) trees: Step,
-    pub(super) pilot: Step,
+    pub(super) trees: BoundKernel,
+    pub(super) pilot: BoundKernel,
     /// Adds what a pixel's trees saw.
-    pub(super) sum: Step,
-    pub(super) mark: Step,
+    pub(super) sum: BoundKernel,
+    pub(super) mark: BoundKernel,
 }
 
 /// The kernels with their buffers.
-pub(super) struct Steps {
-    pub(super) eye: Step,
+pub(super) struct PassGraph {
+    pub(super) eye: BoundKernel,
     pub(super) glint: Option<Glint>,
-    pub(super) direct: Option<Step>,
-    pub(super) boundary: Option<Step>,
-    pub(super) clip: Option<Step>,
-    pub(super) maps: Vec<(Map, Step)>,
-    pub(super) pilot: Option<[Step; 2]>,
+    pub(super) direct: Option<BoundKernel>,
+    pub(super) kernel_correction: Option<BoundKernel>,
+    pub(super) clip_planes: Option<BoundKernel>,
+    pub(super) maps: Vec<(Map, BoundKernel)>,
+    pub(super) pilot: Option<[BoundKernel; 2]>,
 }
 
-impl Steps {
+impl PassGraph {
     /// Bind every kernel of a pass and of the pilot; `apart` where both sorted maps are kept.
     ///
     /// # Errors
@@ -194,8 +200,8 @@ impl Steps {
                 None => None,
             },
             direct: optional(&kernels.direct, &[("emitters", "emitters_direct")])?,
-            boundary: optional(&kernels.boundary, &[])?,
-            clip: optional(&kernels.clip, &[])?,
+            kernel_correction: optional(&kernels.kernel_correction, &[])?,
+            clip_planes: optional(&kernels.clip_planes, &[])?,
             maps,
             pilot,
         })
@@ -229,12 +235,12 @@ impl Steps {
         &self,
         recorder: &mut Recorder<'_>,
         kind: MapKind,
-        gather: &Step,
+        gather: &BoundKernel,
         at: Offsets<'_>,
         tiles: u32,
     ) {
-        if let (MapKind::Diffuse, Some(boundary)) = (kind, &self.boundary) {
-            recorder.dispatch_tiles(boundary, at, tiles);
+        if let (MapKind::Diffuse, Some(kernel_correction)) = (kind, &self.kernel_correction) {
+            recorder.dispatch_tiles(kernel_correction, at, tiles);
         }
         recorder.dispatch_tiles(gather, at, tiles);
     }

@@ -1,7 +1,7 @@
 //! Recorder: dispatches of a submission, one compute pass each, with timestamps where they are wanted.
 
 use super::context::Context;
-use super::kernel::{Offsets, Step};
+use super::kernel::{BoundKernel, Offsets};
 use super::ring::Ring;
 use super::tiles::{BINDING_BYTES, TILES_PER_DISPATCH};
 use crate::error::Result;
@@ -88,7 +88,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// At least `invocations` of a kernel.
-    pub(super) fn dispatch(&mut self, step: &Step, offsets: Offsets<'_>, invocations: u32) {
+    pub(super) fn dispatch(&mut self, step: &BoundKernel, offsets: Offsets<'_>, invocations: u32) {
         if invocations > 0 {
             let [x, y] = step.groups_for(invocations);
             self.dispatch_groups(step, offsets, [x, y]);
@@ -96,7 +96,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// A kernel whose workgroups are the first so many tiles of the list.
-    pub(super) fn dispatch_tiles(&mut self, step: &Step, offsets: Offsets<'_>, tiles: u32) {
+    pub(super) fn dispatch_tiles(&mut self, step: &BoundKernel, offsets: Offsets<'_>, tiles: u32) {
         for (part, first) in (0..tiles).step_by(TILES_PER_DISPATCH as usize).enumerate() {
             let mut offsets = offsets.to_vec();
             offsets.push(("tiles", part as u32 * BINDING_BYTES));
@@ -105,7 +105,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// `x` × `y` workgroups of a kernel.
-    pub(super) fn dispatch_groups(&mut self, step: &Step, offsets: Offsets<'_>, groups: [u32; 2]) {
+    pub(super) fn dispatch_groups(&mut self, step: &BoundKernel, offsets: Offsets<'_>, groups: [u32; 2]) {
         let stamps = match &mut self.timer {
             Some(timer) if (timer.labels.len() as u32 + 1) * 2 <= QUERIES => {
                 let at = timer.labels.len() as u32 * 2;

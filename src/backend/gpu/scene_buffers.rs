@@ -5,7 +5,7 @@ use super::device_buffers::{Buffers, STORAGE, UNIFORM, buffer};
 use crate::error::{Error, Result};
 use crate::film::paths::LightPaths;
 use crate::packed::layout::{AreaPoint, PathFilter};
-use crate::packed::{Guide, MARK_WORDS, MAX_TARGETS, MAX_WARPS, PackedScene, Target, WARP_WORDS};
+use crate::packed::{Guide, MAX_TARGETS, MAX_WARPS, PackedScene, Target, VISIBLE_CELL_WORDS, WARP_WORDS};
 use crate::plan::Plan;
 use crate::plan::buffers::{Buffer, TRIANGLES, triangles_part_bytes};
 use glam::{Vec2, Vec3};
@@ -22,7 +22,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     targets[..scene.targets.len()].copy_from_slice(&scene.targets);
     let guides = &plan.guides;
     let [warps_caustic, warps_diffuse] = [&guides.caustic, &guides.diffuse].map(warp_words);
-    let marks = plan.marks.as_ref().map_or(&[0; MARK_WORDS][..], |m| m.words());
+    let visible_cells = plan.visible_cells.as_ref().map_or(&[0; VISIBLE_CELL_WORDS][..], |m| m.words());
     let filter = path_filter(&plan.settings.paths);
     let contents: [(&str, &[u8]); 13] = [
         ("nodes", bytemuck::cast_slice(&nodes)),
@@ -37,7 +37,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         ("path_filter", bytemuck::bytes_of(&filter)),
         ("warps_caustic", bytemuck::cast_slice(&warps_caustic)),
         ("warps_diffuse", bytemuck::cast_slice(&warps_diffuse)),
-        ("marks", bytemuck::cast_slice(marks)),
+        ("visible_cells", bytemuck::cast_slice(visible_cells)),
     ];
     let wanted = crate::plan::buffers::scene_buffers(scene, plan, &context.machine());
     check_capacity(context, &wanted)?;
@@ -45,9 +45,8 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     let mut buffers = Buffers::new();
     for Buffer { name, bytes, .. } in wanted {
         let usage = match name {
-            "targets" | "path_filter" | "warps_caustic" | "warps_diffuse" | "marks" | "tiles" | "ring" => {
-                UNIFORM
-            }
+            "targets" | "path_filter" | "warps_caustic" | "warps_diffuse" | "visible_cells" | "tiles"
+            | "ring" => UNIFORM,
             "shading_normals" => STORAGE,
             _ if small => UNIFORM | STORAGE,
             _ => STORAGE,
@@ -99,7 +98,7 @@ pub(super) fn check_capacity(context: &Context, buffers: &[Buffer]) -> Result<()
     Ok(())
 }
 
-/// A unit vector in 32 bits, as shaders/shared/sampling.wgsl encodes it.
+/// A unit vector in 32 bits, as shaders/sampling/sampling.wgsl encodes it.
 pub fn encode(n: Vec3) -> u32 {
     let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };

@@ -1,6 +1,6 @@
 //! Tiles: the list of tiles on the device, those that rest least first, so that the live ones of a pass are its head [E21].
 
-use crate::film::tile_schedule::{EXPONENT_MAX, Rest};
+use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
 use crate::packed::layout::{TILE_BITS, TILES_VECTORS};
 
 /// Tiles that one binding, and so one dispatch, sees.
@@ -10,14 +10,14 @@ pub(super) const BINDING_BYTES: u32 = TILES_VECTORS * 16;
 
 /// The list, and how many of it are live.
 pub(super) struct Tiles {
-    rest: Rest,
+    rest: TileSchedule,
     /// Tiles of exponent k or less, for each k.
     up_to: [u32; EXPONENT_MAX as usize + 1],
 }
 
 impl Tiles {
     /// The list of who rests; its words, to be written into the buffer.
-    pub(super) fn new(rest: Rest) -> (Self, Vec<u32>) {
+    pub(super) fn new(rest: TileSchedule) -> (Self, Vec<u32>) {
         let mut words = Vec::with_capacity(rest.exponents().len());
         let mut up_to = [0; EXPONENT_MAX as usize + 1];
         for (k, end) in up_to.iter_mut().enumerate() {
@@ -29,7 +29,7 @@ impl Tiles {
     }
 
     /// Who rests.
-    pub(super) fn rest(&self) -> &Rest {
+    pub(super) fn rest(&self) -> &TileSchedule {
         &self.rest
     }
 
@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn the_head_of_the_list_is_live() {
         let exponents = vec![3, 0, 1, 4, 0, 2, 1, 0, 4];
-        let (tiles, words) = Tiles::new(Rest::new([24, 24], exponents.clone()));
+        let (tiles, words) = Tiles::new(TileSchedule::new([24, 24], exponents.clone()));
         assert_eq!(tiles.live(0), 9);
         for pass in 0..40u64 {
             let head = words[..tiles.live(pass) as usize].iter();

@@ -1,7 +1,7 @@
 //! Run: start a driver, read its lines, and take its pictures in.
 
 use super::{DRIVING, Line, Renderer};
-use crate::bench::ladder::{Ladder, Seen};
+use crate::bench::ladder::{Ladder, PictureRun};
 use crate::bench::{Row, Subject, Summary};
 use crate::error::{Error, Result};
 use crate::film::Image;
@@ -72,7 +72,7 @@ pub fn measure(
                     return Err(driver.broken(&format!("step {step} of seed {seed} was not asked for")));
                 }
                 let image = read_raw(&scene.folder.join(file), subject.size)?;
-                let seen = Seen {
+                let seen = PictureRun {
                     device_name: format!("{name}, {mode}"),
                     seed,
                     seconds,

@@ -1,6 +1,6 @@
 //! Cones: rays into them that keep their digits where they arrive, however narrow the cone and far away its apex; and
 //! angles by their sines, since cosines of small ones have none. Sizes of cones are 1 − cos of the half angle.
-//! Twin: shaders/shared/cone.wgsl.
+//! Twin: shaders/lights/cone.wgsl.
 
 use crate::packed::layout::SCENE_RADIUS;
 use crate::packed::{FAR, PackedEmitter, Target};

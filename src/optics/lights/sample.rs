@@ -1,7 +1,7 @@
 //! Light: places on emitters, as shadow rays find them.
 
 use crate::optics::lights::emit::{falloff, from_light, kind, pick, place_on};
-use crate::optics::ray::Surface;
+use crate::optics::ray::SurfaceInteraction;
 use crate::packed::{EmitterKind, NO_EMITTER, PackedEmitter};
 use crate::spectrum::{Bands, scale};
 use glam::Vec3;
@@ -76,7 +76,7 @@ pub(crate) fn sample_emitter(e: &PackedEmitter, position: Vec3, u: [f32; 2]) -> 
 }
 
 /// pdf_solid_angle with which [`sample_light`] finds the emissive surface `s` from where its ray came.
-pub(crate) fn pdf_light(emitters: &[PackedEmitter], s: &Surface) -> f32 {
+pub(crate) fn pdf_light(emitters: &[PackedEmitter], s: &SurfaceInteraction) -> f32 {
     if s.triangle.emitter == NO_EMITTER {
         return 0.0;
     }

@@ -1,16 +1,16 @@
-//! What happens at a surface: Fresnel, the D lobes (Lambert and glossy Phong), the S lobes. Twin: shaders/shared/bsdf.wgsl.
+//! What happens at a surface: Fresnel, the D lobes (Lambert and glossy Phong), the S lobes. Twin: shaders/shading/bsdf.wgsl.
 //!
 //! f_r(wi, wo) = diffuse/π + glossy (e + 2)/2π cosᵉα, α between wo and the mirror direction of wi [E6] (Lafortune &
 //! Willems 1994). Symmetric in wi and wo, so eye paths and jotons sample the same functions.
 
-use crate::optics::ray::Surface;
+use crate::optics::ray::SurfaceInteraction;
 use crate::packed::PackedMaterial;
 use crate::sampling::distributions::{cosine_hemisphere, phong_lobe, to_world};
 use crate::spectrum::{BLACK, Bands, add, max, scale};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Unpolarised reflectance of a dielectric boundary [E8]; `eta` = n_t / n_i. 1 at total reflection.
+/// Unpolarised reflectance of a dielectric interface [E8]; `eta` = n_t / n_i. 1 at total reflection.
 pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
     let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
     if sin2_t >= 1.0 {
@@ -95,31 +95,31 @@ pub fn sample_d(m: &PackedMaterial, wo: Vec3, n: Vec3, u_lobe: f32, u: [f32; 2])
 }
 
 /// A direction of the S lobe: the mirror's, or about it where the mirror is not perfect. None below the surface.
-pub(crate) fn sample_mirror(s: &Surface, u: [f32; 2]) -> Option<Vec3> {
+pub(crate) fn sample_mirror(s: &SurfaceInteraction, u: [f32; 2]) -> Option<Vec3> {
     let above = |w: Vec3| (w.dot(s.ng) > 0.0).then_some(w);
     let perfect = above(mirror(s.back, s.specular_normal())).unwrap_or_else(|| mirror(s.back, s.ng));
     let exponent = s.material.specular_exponent;
     if exponent <= 0.0 { Some(perfect) } else { above(to_world(phong_lobe(u, exponent), perfect)) }
 }
 
-/// The direction of a specular event: off a dielectric boundary or, where `transmits`, through it; off a mirror where there
+/// The direction of a specular event: off a dielectric interface or, where `transmits`, through it; off a mirror where there
 /// is none. None below the surface.
 pub(crate) fn specular_direction(
-    s: &Surface,
-    boundary: Option<&Boundary>,
+    s: &SurfaceInteraction,
+    interface: Option<&DielectricInterface>,
     transmits: bool,
     u: [f32; 2],
 ) -> Option<Vec3> {
-    match boundary {
+    match interface {
         Some(b) if transmits => Some(b.refracted),
         Some(b) => Some(b.reflected),
         None => sample_mirror(s, u),
     }
 }
 
-/// Both ways on from a dielectric boundary.
+/// Both ways on from a dielectric interface.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Boundary {
+pub(crate) struct DielectricInterface {
     /// Share that is reflected, 0 to 1.
     pub(crate) fresnel: f32,
     pub(crate) reflected: Vec3,
@@ -129,8 +129,8 @@ pub(crate) struct Boundary {
     pub(crate) eta_i_over_t: f32,
 }
 
-impl Boundary {
-    pub(crate) fn at(s: &Surface) -> Self {
+impl DielectricInterface {
+    pub(crate) fn at(s: &SurfaceInteraction) -> Self {
         let n = s.specular_normal();
         let reflected = mirror(s.back, n);
         let reflected = if reflected.dot(s.ng) > 0.0 { reflected } else { mirror(s.back, s.ng) };

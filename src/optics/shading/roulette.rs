@@ -1,22 +1,27 @@
-//! Odds: the roulette of a joton at a surface [E3].
+//! EventProbabilities: the roulette of a joton at a surface [E3].
 
-use crate::optics::ray::Surface;
-use crate::optics::shading::bsdf::{Boundary, reflectance_d};
+use crate::optics::ray::SurfaceInteraction;
+use crate::optics::shading::bsdf::{DielectricInterface, reflectance_d};
 use crate::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
 use crate::spectrum::{BANDS, Bands, max, mul, scale};
 
 /// What a surface does with a joton: the probabilities and reflectances of its events.
-pub(crate) struct Odds {
+pub(crate) struct EventProbabilities {
     /// Reflectance per band and probability of D, of mirror or reflection, of transmission.
     pub(crate) ways: [(Bands, f32); 3],
 }
 
-impl Odds {
+impl EventProbabilities {
     /// p_x = max_b(ρ_x Φ)/max_b(Φ); where the maxima lie in different bands they can exceed one together, and are
     /// scaled down; late in a path they may not even be one together.
-    pub(crate) fn new(s: &Surface, boundary: Option<&Boundary>, flux: &Bands, event: u32) -> Self {
+    pub(crate) fn new(
+        s: &SurfaceInteraction,
+        interface: Option<&DielectricInterface>,
+        flux: &Bands,
+        event: u32,
+    ) -> Self {
         let m = s.material;
-        let reflectances = match boundary {
+        let reflectances = match interface {
             Some(b) => {
                 [reflectance_d(m), scale(&m.specular, b.fresnel), scale(&m.transmission, 1.0 - b.fresnel)]
             }

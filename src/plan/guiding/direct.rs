@@ -5,7 +5,7 @@ use super::lamp::{Lamp, lamps};
 use crate::optics::lights::sample::sample_emitter;
 use crate::optics::ray::visible;
 use crate::packed::{Guide, PackedScene};
-use crate::plan::guiding::visible_points::{Seen, SeenPoint};
+use crate::plan::guiding::visible_points::{VisiblePoint, VisiblePoints};
 use crate::sampling::rng::purpose::DIMENSION_PICKS;
 use crate::sampling::rng::random4;
 use crate::spectrum::sum;
@@ -42,13 +42,13 @@ struct Given {
 
 /// Learn how to pick lights for shadow rays: p ∝ √(mean over the image of (irradiance / that of all lamps)²), which makes
 /// the relative noise least [E22]; nothing where that is not worth it. And whether candidates pay [E24].
-pub(in crate::plan) fn direct(scene: &PackedScene, seed: u32, seen: &Seen) -> Picks {
+pub(in crate::plan) fn direct(scene: &PackedScene, seed: u32, seen: &VisiblePoints) -> Picks {
     let lamps = lamps(&scene.emitters);
     if lamps.len() < 2 || seen.is_empty() {
         return Picks { guide: Guide::default(), candidates: 1 };
     }
     let step = seen.points().len().div_ceil(PLACES);
-    let places: Vec<&SeenPoint> = seen.points().iter().step_by(step).collect();
+    let places: Vec<&VisiblePoint> = seen.points().iter().step_by(step).collect();
     let found: Vec<Vec<Given>> = places
         .par_iter()
         .enumerate()
@@ -86,7 +86,12 @@ pub(in crate::plan) fn direct(scene: &PackedScene, seed: u32, seen: &Seen) -> Pi
 }
 
 /// What some of the lamps give to a place.
-fn given(scene: &PackedScene, lamps: &[Lamp], p: &SeenPoint, random: impl Fn(u32) -> [f32; 4]) -> Vec<Given> {
+fn given(
+    scene: &PackedScene,
+    lamps: &[Lamp],
+    p: &VisiblePoint,
+    random: impl Fn(u32) -> [f32; 4],
+) -> Vec<Given> {
     let tries = lamps.len().min(TRIES);
     let stands_for = lamps.len() as f64 / tries as f64;
     let shift = f64::from(random(u32::MAX)[0]);

@@ -6,7 +6,7 @@
 
 use super::lamp::{Lamp, lamps};
 use crate::optics::lights::emit::{Start, aimed_of, kind};
-use crate::optics::ray::{Ray, Surface};
+use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::{EmitterKind, PackedScene};
 use crate::plan::guiding::visible_points::{CHAIN, step};
 use crate::sampling::rng::purpose::{
@@ -126,7 +126,7 @@ impl Search<'_> {
         let mut ray = Ray::new(origin, direction);
         let mut is_near = false;
         for event in 0..CHAIN {
-            let hit = Surface::hit(scene, &ray);
+            let hit = SurfaceInteraction::hit(scene, &ray);
             if event > 0 {
                 let free = hit.as_ref().map_or(f32::INFINITY, |s| s.distance);
                 if let Some((pixel, off)) = seen_from(scene, ray.origin, ray.direction, free)

@@ -15,9 +15,9 @@ pub(super) use lamp_images::lamp_images;
 
 use crate::estimators::maps::MapKind;
 use crate::optics::lights::emit::{Start, aimed_of, law_of};
-use crate::optics::ray::{Ray, Surface};
+use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::{Guide, MAX_WARPS, PackedScene, Warp};
-use crate::plan::guiding::visible_points::{CHAIN, Seen, step};
+use crate::plan::guiding::visible_points::{CHAIN, VisiblePoints, step};
 use crate::sampling::rng::purpose::{DIMENSION_LEARN, STREAM_LEARN_DIRECTION, STREAM_LEARN_PLACE};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
 use crate::spectrum::sum;
@@ -76,7 +76,7 @@ impl Traced {
 }
 
 /// Learn how to emit the jotons of a map.
-pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, kind: MapKind) -> Learned {
+pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &VisiblePoints, kind: MapKind) -> Learned {
     if seen.is_empty() || scene.emitters.is_empty() || kind == MapKind::Caustic && scene.targets.is_empty() {
         return Learned { guide: Guide::default(), in_view: 1.0 };
     }
@@ -111,7 +111,7 @@ pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &Seen, kind: MapKind)
 fn trace(
     scene: &PackedScene,
     seed: [u32; 2],
-    seen: &Seen,
+    seen: &VisiblePoints,
     traced: &mut [Traced],
     shares: &[f64],
     count: u32,
@@ -133,7 +133,7 @@ fn trace(
 fn hits(
     scene: &PackedScene,
     [seed, kind]: [u32; 2],
-    seen: &Seen,
+    seen: &VisiblePoints,
     lamp: &Lamp,
     [index, number]: [u32; 2],
 ) -> (usize, Vec<Hit>) {
@@ -152,7 +152,7 @@ fn hits(
     let mut hits = Vec::new();
     let (mut scattered, mut stored) = (false, 0);
     for event in 0..if is_caustic { CHAIN } else { EVENTS } {
-        let Some(s) = Surface::hit(scene, &ray) else { break };
+        let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };
         let stores = (if is_caustic { event > 0 } else { scattered }) && s.flags().has_diffuse();
         stored += usize::from(stores);
         if stores && let Some(width) = seen.width(s.position, s.ng) {

@@ -1,9 +1,9 @@
-//! Seen: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
+//! VisiblePoints: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
 
-use crate::optics::ray::{Ray, Surface, lift};
-use crate::optics::shading::bsdf::{Boundary, sample_d, specular_direction};
-use crate::optics::shading::roulette::Odds;
-use crate::packed::{CameraRay, Marks, PackedScene};
+use crate::optics::ray::{Ray, SurfaceInteraction, lift};
+use crate::optics::shading::bsdf::{DielectricInterface, sample_d, specular_direction};
+use crate::optics::shading::roulette::EventProbabilities;
+use crate::packed::{CameraRay, PackedScene, VisibleCells};
 use crate::sampling::rng::purpose::{DIMENSION_SEEN, STREAM_SEEN};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
 use crate::spectrum::{BANDS, Bands, mul, scale};
@@ -24,7 +24,7 @@ const GAP: f32 = 2.0;
 const FACING: f32 = 0.5;
 
 /// A place where a camera path meets its first diffuse surface.
-pub(in crate::plan) struct SeenPoint {
+pub(in crate::plan) struct VisiblePoint {
     /// The place, lifted off the surface.
     pub(in crate::plan) origin: Vec3,
     /// Shading normal on the side that is seen.
@@ -36,11 +36,11 @@ pub(in crate::plan) struct SeenPoint {
 }
 
 /// Cells in which gather points lie: level and place, and along which of the six axes surfaces face there.
-pub(in crate::plan) struct Seen {
+pub(in crate::plan) struct VisiblePoints {
     cells: FxHashMap<[i32; 4], u8>,
     /// Levels in use; a cell of level k is 2^k internal units wide.
     levels: Vec<i32>,
-    points: Vec<SeenPoint>,
+    points: Vec<VisiblePoint>,
     /// Camera paths, that ended somewhere or not.
     paths: usize,
 }
@@ -60,12 +60,12 @@ fn cell(position: Vec3, level: i32) -> [i32; 4] {
     [level, x, y, z]
 }
 
-impl Seen {
+impl VisiblePoints {
     /// Look at the scene through its camera.
     pub(in crate::plan) fn look(scene: &PackedScene, seed: u32) -> Self {
         let paths = (scene.pixels() / PIXELS_PER_PATH).clamp(PATHS[0], PATHS[1]);
         let spacing = scene.pixel_angle() * (scene.pixels() as f32 / paths as f32).sqrt();
-        let points: Vec<SeenPoint> =
+        let points: Vec<VisiblePoint> =
             (0..paths as u32).into_par_iter().filter_map(|i| gather_point(scene, seed, i)).collect();
         let mut cells: FxHashMap<[i32; 4], u8> = FxHashMap::default();
         for p in &points {
@@ -90,15 +90,15 @@ impl Seen {
     }
 
     /// Where camera paths ended on diffuse surfaces.
-    pub(in crate::plan) fn points(&self) -> &[SeenPoint] {
+    pub(in crate::plan) fn points(&self) -> &[VisiblePoint] {
         &self.points
     }
 
     /// The cells within `radius` of where the camera looks, or wider where its paths leave gaps.
-    pub(in crate::plan) fn marks(&self, scene: &PackedScene, radius: f32) -> Marks {
+    pub(in crate::plan) fn cells(&self, scene: &PackedScene, radius: f32) -> VisibleCells {
         let farthest = self.points.iter().map(|p| p.length).fold(0.0, f32::max);
         let gap = GAP * scene.pixel_angle() * (scene.pixels() as f32 / self.paths as f32).sqrt() * farthest;
-        Marks::new(scene.bounds[0], radius.max(gap), self.points.iter().map(|p| p.position))
+        VisibleCells::new(scene.bounds[0], radius.max(gap), self.points.iter().map(|p| p.position))
     }
 
     /// Part of the image that sees a diffuse surface, directly or through specular ones.
@@ -116,15 +116,15 @@ impl Seen {
 }
 
 /// Where camera path `number` ends.
-fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint> {
+fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<VisiblePoint> {
     let CameraRay { origin, direction, travelled: mut length } =
         scene.camera.ray(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
     let mut ray = Ray::new(origin, direction);
     for event in 0..CHAIN {
-        let s = Surface::hit(scene, &ray)?;
+        let s = SurfaceInteraction::hit(scene, &ray)?;
         length += s.distance;
         if s.flags().has_diffuse() {
-            return Some(SeenPoint {
+            return Some(VisiblePoint {
                 origin: lift(s.position, s.ng, s.triangle),
                 normal: s.ns,
                 position: s.position,
@@ -140,18 +140,18 @@ fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<SeenPoint
 
 /// An event at a surface: whether it was a D event, the ray that goes on, and its flux. None where there is none.
 pub(in crate::plan) fn step(
-    s: &Surface,
+    s: &SurfaceInteraction,
     flux: &Bands,
     event: u32,
     [u_way, u0, u1, u_lobe]: [f32; 4],
 ) -> Option<(bool, (Ray, Bands))> {
-    let boundary = s.flags().is_dielectric().then(|| Boundary::at(s));
-    let odds = Odds::new(s, boundary.as_ref(), flux, event);
-    let way = odds.choose(u_way)?;
+    let interface = s.flags().is_dielectric().then(|| DielectricInterface::at(s));
+    let probabilities = EventProbabilities::new(s, interface.as_ref(), flux, event);
+    let way = probabilities.choose(u_way)?;
     let leaving = match way {
         0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1])?,
-        _ => specular_direction(s, boundary.as_ref(), way == 2, [u0, u1])?,
+        _ => specular_direction(s, interface.as_ref(), way == 2, [u0, u1])?,
     };
-    let (reflectance, probability) = odds.ways[way];
+    let (reflectance, probability) = probabilities.ways[way];
     Some((way == 0, (s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability))))
 }

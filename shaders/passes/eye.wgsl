@@ -1,0 +1,120 @@
+// Eye: one camera path per pixel, through mirrors and glass to the first diffuse surface: a gather point.
+// Emission that is met on the way goes to the film (E S* L), weighed beside that of the glint kernel's trees [E25].
+// reads  scene, tiles, path_filter      writes  gather_points, film_emission, status
+// import: scene/features.wgsl
+// import: camera/strip.wgsl
+// import: camera/live.wgsl
+// import: dispatch/count.wgsl
+// import: sampling/rng.wgsl
+// import: scene/scene.wgsl
+// import: shading/surface.wgsl
+// import: shading/bsdf.wgsl
+// import: shading/scatter.wgsl
+// import: camera/camera.wgsl
+// import: paths/survival.wgsl
+// import: paths/paths.wgsl
+// import: paths/splits.wgsl
+// import: paths/trees.wgsl
+
+@group(1) @binding(0) var<uniform> path_filter: PathFilter;
+@group(1) @binding(1) var<storage, read_write> gather_points: array<GatherPoint>;
+@group(1) @binding(2) var<storage, read_write> film_emission: array<vec4<f32>>;
+@group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
+
+const CHAIN_MAX: u32 = 63u;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = linear_index(id, groups);
+    let pixel = live_pixel(index);
+    if pixel == NO_PIXEL {
+        return;
+    }
+    let sample = sequence_index(index);
+    let jitter = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
+    let choices = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
+    let level = gather_points[held(pixel)].glint_level;
+    let trees = trees_a_pass(level);
+    var splits = Splits(1.0, 1.0);
+    let camera = camera_ray(pixel, jitter);
+    var start = Departure(camera.origin, 0.0);
+    var direction = camera.direction;
+    var throughput = Bands(1.0);
+    var emission = Bands(0.0);
+    var path_length = camera.travelled;
+    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level);
+    var events = 0u;
+    var rays = 0u;
+
+    loop {
+        rays += 1u;
+        let hit = nearest_hit(start.origin, direction, start.t_back);
+        if hit.triangle == MISS {
+            break;
+        }
+        path_length += hit.t;
+        let s = surface_at(hit);
+        let m = materials[s.material];
+        let from_front = dot(direction, s.front) < 0.0;
+        if (m.flag_bits & EMISSIVE) != 0u && from_front
+            && (!HAS_PATH_FILTER || path_wanted(PATH_START, events)) {
+            emission += throughput * m.emission * weight_of_eye(splits, trees);
+        }
+        let toward_eye = select(-1.0, 1.0, from_front);
+        let geometric = s.front * toward_eye;
+        let shading = facing_normal(s, direction, geometric);
+        let reflectance = dielectric_reflectance(m, shading, direction, from_front);
+        let c = event_probabilities(m, throughput, reflectance);
+        let scatter = c.diffuse + c.glossy;
+        let kept = scatter + c.mirror + c.reflect + c.transmit;
+        if kept <= 0.0 {
+            break;
+        }
+        let random = random4(pass_info.seed, sample, pixel, DIMENSION_EYE + events);
+        var choice = random.x;
+        if events < 2u {
+            choice = select(choices.y, choices.x, events == 0u);
+        }
+        // lights without area are seen in a narrow lobe only from a path that stops there
+        let stop = select(scatter, max(scatter, NARROW_STOPS * c.mirror), is_narrow(m));
+        let ways = stop + c.mirror + c.reflect + c.transmit;
+        choice *= ways;
+        if choice < stop {
+            let back = select(BACK_SIDE, 0u, from_front);
+            point = GatherPoint(
+                s.position + geometric * s.lift, s.material | (min(events, CHAIN_MAX) << 24u) | back,
+                throughput * (ways / stop), path_length,
+                encode_direction(geometric), encode_direction(shading), encode_direction(-direction), level,
+            );
+            break;
+        }
+        var event = EVENT_MIRROR;
+        if HAS_DIELECTRIC && choice >= stop + c.mirror {
+            event = select(EVENT_TRANSMIT, EVENT_REFLECT, choice < stop + c.mirror + c.reflect);
+        }
+        let next = specular_scatter(m, event, direction, geometric, shading, from_front, random.yz);
+        // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
+        // a path that goes on, where it ends as a joton's does [E3].
+        let survives = survival(events, kept, CAMERA_STEPS);
+        if !next.alive || random.w >= survives {
+            break;
+        }
+        // [E9] radiance scales with the square of the index; flux does not
+        let radiance_scale = select(1.0, next.eta_it * next.eta_it, event == EVENT_TRANSMIT);
+        throughput *= event_reflectance(m, event, reflectance) * (ways / (survives * event_chance(c, event)) * radiance_scale);
+        splits = splits_after(splits, c, event);
+        direction = next.direction;
+        start = departure(s, direction, from_front);
+        events += 1u;
+        if steps > CAMERA_STEPS {
+            atomicAdd(&status[STATUS_TRUNCATED], 1u);
+            break;
+        }
+    }
+    count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
+    if traversal_cut {
+        atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
+    }
+    gather_points[held(pixel)] = point;
+    film_emission[held(pixel)] += vec4(emission, 0.0);
+}

@@ -1,0 +1,123 @@
+// Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
+// L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the weights of the boundary's fit; no cosine, it is in Φ already.  [E7] Jensen 1996
+// Two variants: the caustic map (a radius for each pixel) and the diffuse map (fitted at boundaries).
+// reads  tiles, map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits, clips
+// writes  film, status
+// import: scene/features.wgsl
+// import: camera/strip.wgsl
+// import: camera/live.wgsl
+// import: maps/grid.wgsl
+// import: maps/lanes.wgsl
+// import: maps/clip_planes.wgsl
+// import: shading/bsdf.wgsl
+// import: paths/paths.wgsl
+
+override CAUSTIC: bool = false;
+
+@group(0) @binding(0) var<uniform> pass_info: PassInfo;
+@group(0) @binding(1) var<uniform> map_info: MapInfo;
+@group(0) @binding(2) var<uniform> path_filter: PathFilter;
+@group(0) @binding(3) var<storage, read> gather_points: array<GatherPoint>;
+@group(0) @binding(4) var<storage, read> materials: array<PackedMaterial>;
+@group(0) @binding(5) var<storage, read> sorted_jotons: array<Joton>;
+@group(0) @binding(6) var<storage, read> bucket_starts: array<u32>;
+// Caustic map: base radius of each pixel in .x; diffuse map: weights of the fit.
+@group(0) @binding(7) var<storage, read> fits: array<Fit>;
+@group(0) @binding(8) var<storage, read_write> film: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read> clips: array<Clip>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let lanes = lanes_here();
+    let pixel = live_pixel(linear_index(id, groups));
+    if lanes_min(select(1u, 0u, pixel != NO_PIXEL)) != 0u {
+        return;
+    }
+    // lanes without a gather point go along and find nothing
+    let at = select(0u, held(pixel), pixel != NO_PIXEL);
+    let point = gather_points[at];
+    let is_here = pixel != NO_PIXEL && max_band(point.throughput) > 0.0;
+    let fit = fits[at].c;
+    var r = map_info.radius;
+    if CAUSTIC {
+        r = min(r, fit.x * sqrt(map_info.shrink));
+    }
+    let material = point.surface & 0xffffffu;
+    let is_glossy = HAS_GLOSSY && (materials[material].flag_bits & GLOSSY) != 0u;
+    let chain = (point.surface >> 24u) & 63u;
+    let normal = decode_direction(point.normal);
+    let shading = decode_direction(point.shading_normal);
+    let wo = decode_direction(point.wo);
+    let frame = basis(normal);
+    var walls = no_walls(r);
+    if is_here {
+        walls = walls_about(pixel, point.position, normal, r);
+    }
+    let first_wall = walls.planes[0];
+    let second_wall = walls.planes[1];
+    let slope = (fit.y * frame[0] + fit.z * frame[1]) / r;
+    let r2 = r * r;
+    let plane = GATHER_PLANE_SHARE * r;
+    let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
+    var sum = Bands(0.0);
+    var rows = lanes_or(select(0u, rows_touched(grid, point.position, r), is_here));
+    while rows != 0u {
+        let buckets = row_run(grid, point.position, r, countTrailingZeros(rows));
+        rows &= rows - 1u;
+        var i = 0u;
+        var end = 0u;
+        if is_here && buckets.x < buckets.y {
+            i = bucket_starts[buckets.x];
+            end = bucket_starts[buckets.y];
+        }
+        loop {
+            let first = lanes_min(select(NO_INDEX, i, i < end));
+            if first == NO_INDEX {
+                break;
+            }
+            let mine = first + lanes.index;
+            let normal_state = sorted_jotons[mine].normal_state;
+            let place = vec4(sorted_jotons[mine].position, bitcast<f32>(normal_state));
+            let facing = vec4(decode_normal24(normal_state), 0.0);
+            let flux4 = vec4(sorted_jotons[mine].flux, 0.0);
+            for (var k = 0u; k < lanes.count; k += 1u) {
+                let joton = from_lane(place, k);
+                let d = joton.xyz - point.position;
+                let is_mine = first + k >= i && first + k < end;
+                let n = from_lane(facing, k).xyz;
+                var flux = from_lane(flux4, k).xyz;
+                if is_mine && dot(d, d) < r2 && abs(dot(d, normal)) < plane
+                    && dot(n, normal) > 127.0 * GATHER_NORMAL_COS
+                    && is_before(first_wall, joton.xyz) && is_before(second_wall, joton.xyz)
+                    && (!HAS_PATH_FILTER || path_wanted(bitcast<u32>(joton.w) >> 24u, chain)) {
+                    if is_glossy {
+                        let wi = decode_direction(sorted_jotons[first + k].wi);
+                        flux *= eval_brdf(materials[material], shading, wi, wo);
+                    }
+                    if CAUSTIC {
+                        sum += flux;
+                    } else {
+                        sum += flux * (fit.x + dot(d, slope));
+                    }
+                }
+            }
+            i = max(i, first + lanes.count);
+        }
+        if i < end {
+            atomicAdd(&status[STATUS_LOOP_CUT], 1u);
+        }
+    }
+    if !is_here {
+        return;
+    }
+    if CAUSTIC {
+        // what walls take of the disc carries no light of this side
+        let kept = kept_share(first_wall, point.position, r) * kept_share(second_wall, point.position, r);
+        sum /= PI * r * r * max(kept, CLIP_KEPT_MIN);
+    }
+    if !is_glossy {
+        sum *= materials[material].diffuse / PI;
+    }
+    film[at] += vec4(point.throughput * sum, 0.0);
+}

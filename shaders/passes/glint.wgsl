@@ -1,0 +1,216 @@
+// Glint: emission seen through specular surfaces (E S* L) where it is small in the image: a few camera trees, which take
+// both ways at a dielectric boundary, find it. A lamp's four percent in a water surface is then seen by every tree instead of
+// by every twenty-fifth eye path. Only for pixels in the list; each weighs what the eye path would not find [E25].
+// reads  scene, tiles, path_filter, glints      writes  seen, status
+// import: scene/features.wgsl
+// import: camera/strip.wgsl
+// import: camera/live.wgsl
+// import: dispatch/count.wgsl
+// import: sampling/rng.wgsl
+// import: scene/scene.wgsl
+// import: shading/surface.wgsl
+// import: shading/bsdf.wgsl
+// import: shading/scatter.wgsl
+// import: camera/camera.wgsl
+// import: paths/survival.wgsl
+// import: paths/paths.wgsl
+// import: lights/reservoir.wgsl
+// import: paths/splits.wgsl
+// import: paths/trees.wgsl
+
+@group(1) @binding(0) var<uniform> path_filter: PathFilter;
+@group(1) @binding(1) var<storage, read> glints: array<u32>;
+// Emission of each tree; of each pixel in the pilot.
+@group(1) @binding(2) var<storage, read_write> seen: array<vec4<f32>>;
+@group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
+
+// What a pilot's trees saw of light in a pixel. Twin: Light in src/estimators/split_paths.rs.
+const LIGHT_NOWHERE: f32 = 0.0;
+const LIGHT_IN_PART: f32 = 1.0;
+const LIGHT_EVERYWHERE: f32 = 2.0;
+
+struct Seen {
+    emission: Bands,
+    // Everything that was seen is the front of a light, without a specular surface between.
+    direct: bool,
+    // It took both ways somewhere.
+    branched: bool,
+    rays: u32,
+}
+
+// A way that is still to be followed.
+struct Way {
+    origin: vec3<f32>,
+    events: u32,
+    direction: vec3<f32>,
+    splits: Splits,
+    throughput: Bands,
+    // Back faces nearer than this are not met.
+    t_back: f32,
+}
+
+// Tree `number`, 64 bits, of a pixel, which ends before `steps` comes to `budget`; weighed beside so many trees a pass, but in the pilot.
+fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> Seen {
+    let seed = seed_at(pass_info.seed, number.y);
+    let jitter = sobol2(number.x, sequence_seed(seed, pixel, STREAM_GLINT_JITTER));
+    var waiting: array<Way, WAITING_MAX>;
+    var waits = 0u;
+    var found = Seen(Bands(0.0), false, false, 0u);
+    var node = 0u;
+    let camera = camera_ray(pixel, jitter);
+    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0);
+    var alive = true;
+    // A tree may have more rays than an invocation's loops. From half of its steps on one way goes on for all that are left,
+    // picked by what they carry: to let each end by chance instead makes the few that remain hundreds of times too bright.
+    let shared_steps = steps + (budget - min(steps, budget)) / 2u;
+    var alone = false;
+    // each turn is a ray of whatever way: lanes that run in step do not wait for the ends of each other's ways
+    while alive || waits > 0u {
+        if !alone && steps > shared_steps {
+            alone = true;
+            var all = Reservoir(0.0, random4(seed, number.x, pixel, DIMENSION_GLINT_ALONE).x);
+            if alive {
+                takes(&all, max_band(way.throughput));
+            }
+            for (var w = 0u; w < waits; w += 1u) {
+                if takes(&all, max_band(waiting[w].throughput)) {
+                    way = waiting[w];
+                }
+            }
+            way.throughput *= all.total / max_band(way.throughput);
+            waits = 0u;
+        } else if !alive {
+            waits -= 1u;
+            way = waiting[waits];
+        }
+        alive = false;
+        found.rays += 1u;
+        let hit = nearest_hit(way.origin, way.direction, way.t_back);
+        if hit.triangle == MISS {
+            continue;
+        }
+        let s = surface_at(hit);
+        let m = materials[s.material];
+        let from_front = dot(way.direction, s.front) < 0.0;
+        if (m.flag_bits & EMISSIVE) != 0u && from_front
+            && (pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events)) {
+            found.emission += way.throughput * m.emission * select(weight_of_tree(way.splits, trees), 1.0, pilot);
+            found.direct = way.events == 0u;
+        }
+        let geometric = s.front * select(-1.0, 1.0, from_front);
+        let shading = facing_normal(s, way.direction, geometric);
+        let reflectance = dielectric_reflectance(m, shading, way.direction, from_front);
+        let c = event_probabilities(m, way.throughput, reflectance);
+        let specular = c.mirror + c.reflect + c.transmit;
+        if specular <= 0.0 {
+            continue;
+        }
+        found.direct = false;
+        let random = random4(seed, number.x, pixel, DIMENSION_GLINT + node);
+        node += 1u;
+        // nothing is scattered or absorbed by chance here: only specular events lead to light
+        let both = HAS_DIELECTRIC && !alone && takes_both(way.splits, c);
+        let reflects = select(random.x * specular < c.reflect, c.reflect <= c.transmit, both);
+        let event = select(select(EVENT_TRANSMIT, EVENT_REFLECT, reflects), EVENT_MIRROR, c.mirror > 0.0);
+        let greater = select(EVENT_REFLECT, EVENT_TRANSMIT, reflects);
+        var next: Next;
+        // one call for both: it is most of what there is to compile
+        for (var left = select(1u, 2u, both); left > 0u; left -= 1u) {
+            next = after(way, s, m, c, reflectance, select(event, greater, left == 2u), geometric, shading, from_front, random.yz);
+            if left == 2u && next.alive {
+                // the greater waits: so many are never waiting
+                waiting[waits] = next.way;
+                waits += 1u;
+            }
+        }
+        found.branched = found.branched || both;
+        let taken = event_chance(c, event);
+        let survives = survival(way.events, select(specular, taken, both), budget);
+        if !next.alive || random.w >= survives {
+            continue;
+        }
+        alive = true;
+        way = next.way;
+        way.throughput *= select(specular / taken, 1.0, both) / survives;
+        if steps > budget {
+            atomicAdd(&status[STATUS_TRUNCATED], 1u);
+            break;
+        }
+    }
+    return found;
+}
+
+struct Next {
+    way: Way,
+    alive: bool,
+}
+
+// What of a way goes on after an event; not divided by the chance to take it.
+fn after(
+    way: Way, s: Surface, m: PackedMaterial, c: EventProbabilities, reflectance: f32, event: u32,
+    geometric: vec3<f32>, shading: vec3<f32>, from_front: bool, u: vec2<f32>,
+) -> Next {
+    let scattered = specular_scatter(m, event, way.direction, geometric, shading, from_front, u);
+    // [E9] radiance scales with the square of the index; flux does not
+    let radiance_scale = select(1.0, scattered.eta_it * scattered.eta_it, event == EVENT_TRANSMIT);
+    let d = scattered.direction;
+    let start = departure(s, d, from_front);
+    let throughput = way.throughput * event_reflectance(m, event, reflectance) * radiance_scale;
+    let next = Way(start.origin, way.events + 1u, d, splits_after(way.splits, c, event), throughput, start.t_back);
+    return Next(next, scattered.alive && max_band(throughput) > 0.0);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = linear_index(id, groups);
+    let pilot = own(pass_info.pass_index) == PILOT_PASS;
+    var pixel = NO_PIXEL;
+    var trees = PILOT_TREES;
+    var a_pass = 0.0;
+    // no pass has so high a number
+    var first = vec2(0u, PILOT_PASS);
+    if pilot {
+        pixel = live_pixel(index);
+    } else if index < pass_info.glint_count {
+        // a tree each; the trees of one pixel begin at a multiple of their number
+        let entry = glints[pass_info.glint_first + index];
+        let level = glint_level(entry);
+        pixel = glint_pixel(entry);
+        a_pass = trees_a_pass(level);
+        trees = 1u;
+        first = wide_sum(wide_product(pass_info.pass_index, trees_of(level)), index % trees_of(level));
+        first = select(first, vec2(pass_info.pass_index / pass_info.glint_turns, 0u), level == GLINT_TURNS);
+    }
+    if pixel == NO_PIXEL {
+        return;
+    }
+    var emission = Bands(0.0);
+    var square = 0.0;
+    var lit = 0u;
+    var lit_directly = 0u;
+    var branched = false;
+    var rays = 0u;
+    for (var i = 0u; i < trees; i += 1u) {
+        // the trees to come keep their part
+        let budget = CAMERA_STEPS - STEP_RAMP * (trees - 1u - i);
+        let found = tree(pixel, wide_sum(first, i), a_pass, pilot, budget);
+        emission += found.emission;
+        square += dot(found.emission, found.emission);
+        rays += found.rays;
+        lit += select(0u, 1u, max_band(found.emission) > 0.0);
+        lit_directly += select(0u, 1u, found.direct);
+        branched = branched || found.branched;
+    }
+    if traversal_cut {
+        atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
+    }
+    if pilot {
+        let in_part = select(LIGHT_NOWHERE, LIGHT_IN_PART, lit > 0u);
+        let light = select(in_part, LIGHT_EVERYWHERE, lit_directly == trees);
+        let mean = emission / f32(trees);
+        seen[held(pixel)] = vec4(light, select(0.0, 1.0, branched), square / f32(trees), dot(mean, mean));
+        return;
+    }
+    count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
+    seen[index] = vec4(emission, 0.0);
+}

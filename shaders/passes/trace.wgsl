@@ -1,0 +1,210 @@
+// Trace: emit jotons and bounce them with Russian roulette; store them where they meet diffuse surfaces.
+// A lane traces its jotons one after the other and puts its work away when its step budget is used up: dispatched until
+// all lanes are done. Two variants: the caustic map (L S+ D, emission aimed at the specular bodies) and the diffuse map
+// (everything that met a D before).
+// reads  scene, targets, warps, visible_cells, map_info, path_filter      writes  lanes, jotons (a region for each lane), tallies
+// import: scene/features.wgsl
+// import: dispatch/index.wgsl
+// import: sampling/rng.wgsl
+// import: scene/scene.wgsl
+// import: shading/surface.wgsl
+// import: shading/bsdf.wgsl
+// import: shading/scatter.wgsl
+// import: lights/emitter.wgsl
+// import: lights/emit.wgsl
+// import: paths/paths.wgsl
+// import: maps/visible_cells.wgsl
+
+override CAUSTIC: bool = false;
+
+@group(1) @binding(0) var<uniform> map_info: MapInfo;
+@group(1) @binding(1) var<uniform> path_filter: PathFilter;
+@group(1) @binding(2) var<uniform> targets: array<Target, 16>;
+@group(1) @binding(3) var<storage, read_write> lanes: array<PathState>;
+@group(1) @binding(4) var<storage, read_write> jotons: array<Joton>;
+@group(1) @binding(5) var<storage, read_write> tallies: array<LaneTally>;
+
+// Bits of PathState.status; the state of the path automaton lies below, the number of events above.
+const LANE_ALIVE: u32 = 32u;
+const LANE_MET_SPECULAR: u32 = 64u;
+const LANE_MET_DIFFUSE: u32 = 128u;
+const LANE_DONE: u32 = 256u;
+const LANE_CUT: u32 = 512u;
+const LANE_EVENT: u32 = 0x10000u;
+// Loop iterations of picking an emitter and of its warp, at most.
+const EMIT_STEPS: u32 = 34u;
+// Bound of the adjoint correction for shading normals where the geometry grazes.
+const ADJOINT_MAX: f32 = 8.0;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = linear_index(id, groups);
+    if index >= map_info.lanes {
+        return;
+    }
+    var lane = lanes[index];
+    if (lane.status & LANE_DONE) != 0u {
+        return;
+    }
+    var tally = tallies[index];
+    let region = index * map_info.lane_capacity;
+    let stored_before = lane.stored;
+    let rays_before = tally.rays;
+    let first_dimension = select(DIMENSION_DIFFUSE, DIMENSION_CAUSTIC, CAUSTIC);
+
+    while steps < STEP_BUDGET {
+        steps += 1u;
+        if (lane.status & LANE_ALIVE) == 0u {
+            let number = index + lane.started * map_info.lanes;
+            if number >= map_info.emitted {
+                lane.status = LANE_DONE;
+                break;
+            }
+            lane.started += 1u;
+            steps += EMIT_STEPS + 3u * pass_info.targets;
+            let start = emit(number);
+            lane.origin = start.origin;
+            lane.t_back = 0.0;
+            lane.direction = start.direction;
+            lane.flux = start.flux;
+            lane.status = PATH_START;
+            if max_band(start.flux) <= 0.0 {
+                continue;
+            }
+            lane.status |= LANE_ALIVE;
+            tally.emitted += start.flux;
+        }
+        let number = index + (lane.started - 1u) * map_info.lanes;
+        let is_first = tally.rays == rays_before;
+        let hit = nearest_hit(lane.origin, lane.direction, lane.t_back);
+        if traversal_cut {
+            // the next dispatch has the driver's whole budget for this ray; where that was not enough, nothing is
+            lane.status |= select(0u, LANE_CUT | LANE_DONE, is_first);
+            break;
+        }
+        tally.rays += 1u;
+        if hit.triangle == MISS {
+            tally.escaped += lane.flux;
+            lane.status = 0u;
+            continue;
+        }
+        let s = surface_at(hit);
+        let m = materials[s.material];
+        let from_front = dot(lane.direction, s.front) < 0.0;
+        let geometric = s.front * select(-1.0, 1.0, from_front);
+        let shading = facing_normal(s, lane.direction, geometric);
+        let wi = -lane.direction;
+        // [E11] jotons see shading normals through their adjoint
+        var adjoint_in = 1.0;
+        if HAS_SMOOTH && s.is_smooth {
+            adjoint_in = min(ADJOINT_MAX, dot(wi, shading) / max(1e-6, dot(wi, geometric)));
+        }
+        let scatters = (m.flag_bits & (DIFFUSE | GLOSSY)) != 0u;
+        let wanted = select((lane.status & LANE_MET_DIFFUSE) != 0u, (lane.status & LANE_MET_SPECULAR) != 0u, CAUSTIC);
+        // [E23] of the jotons that the camera does not look at a few stand for all
+        let unseen = HAS_VISIBLE_CELLS && !CAUSTIC && scatters && wanted && !is_marked(s.position);
+        var counts_as = 1.0;
+        if unseen {
+            let u = random4(pass_info.seed, map_info.pass_index, number, DIMENSION_UNSEEN + lane.status / LANE_EVENT).x;
+            counts_as = select(0.0, f32(UNSEEN_STORED), u * f32(UNSEEN_STORED) < 1.0);
+            tally.not_stored += select(0u, 1u, counts_as == 0.0);
+        }
+        if scatters && wanted && counts_as > 0.0 {
+            if lane.stored < map_info.lane_capacity {
+                var state = 0u;
+                if HAS_PATH_FILTER {
+                    state = path_step(lane.status & 31u, EVENT_D);
+                }
+                jotons[region + lane.stored] = Joton(
+                    s.position, encode_normal24(geometric) | (state << 24u), lane.flux * (adjoint_in * counts_as),
+                    encode_direction(wi),
+                );
+            }
+            lane.stored += 1u;
+        }
+
+        let reflectance = dielectric_reflectance(m, shading, lane.direction, from_front);
+        let events = lane.status / LANE_EVENT;
+        let c = roulette_probabilities(m, lane.flux, reflectance, events);
+        let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
+        var event = EVENT_ABSORB;
+        var edge = c.diffuse;
+        if random.x < edge {
+            event = EVENT_DIFFUSE;
+        } else {
+            edge += c.glossy;
+            if random.x < edge {
+                event = EVENT_GLOSSY;
+            } else {
+                edge += c.mirror;
+                if random.x < edge {
+                    event = EVENT_MIRROR;
+                } else {
+                    edge += c.reflect;
+                    if random.x < edge {
+                        event = EVENT_REFLECT;
+                    } else if random.x < edge + c.transmit {
+                        event = EVENT_TRANSMIT;
+                    }
+                }
+            }
+        }
+        let kept = m.diffuse + m.glossy + select(m.specular, m.specular * reflectance + m.transmission * (1.0 - reflectance),
+            (m.flag_bits & DIELECTRIC) != 0u);
+        tally.absorbed += lane.flux * (1.0 - kept);
+        let is_scatter = event == EVENT_DIFFUSE || event == EVENT_GLOSSY;
+        if event == EVENT_ABSORB || (CAUSTIC && is_scatter) {
+            lane.status = 0u;
+            continue;
+        }
+        lane.flux *= event_reflectance(m, event, reflectance) / event_chance(c, event);
+        // what the sampled direction carries of it: the rest is absorbed, so that the balance is exact in expectation
+        var carried = 1.0;
+        if is_scatter {
+            var d: vec3<f32>;
+            if event == EVENT_DIFFUSE {
+                d = normalize(basis(shading) * sample_cosine_hemisphere(random.yz));
+            } else {
+                d = basis(normalize(reflect(lane.direction, shading))) * sample_phong_lobe(random.yz, m.glossy_exponent);
+                d = normalize(d);
+                carried = (m.glossy_exponent + 2.0) / (m.glossy_exponent + 1.0) * max(0.0, dot(d, shading));
+            }
+            if HAS_SMOOTH && s.is_smooth {
+                carried *= min(ADJOINT_MAX, adjoint_in * dot(d, geometric) / max(1e-6, dot(d, shading)));
+            }
+            carried = select(0.0, carried, dot(d, geometric) > 0.0);
+            lane.direction = d;
+            lane.status |= LANE_MET_DIFFUSE;
+        } else {
+            let next = specular_scatter(m, event, lane.direction, geometric, shading, from_front, random.yz);
+            carried = select(0.0, 1.0, next.alive);
+            if HAS_SMOOTH && s.is_smooth {
+                let out = abs(dot(next.direction, geometric)) / max(1e-6, abs(dot(next.direction, shading)));
+                carried *= min(ADJOINT_MAX, adjoint_in * out);
+            }
+            lane.direction = next.direction;
+            lane.status |= LANE_MET_SPECULAR;
+        }
+        tally.absorbed += lane.flux * (1.0 - carried);
+        lane.flux *= carried;
+        if max_band(lane.flux) <= 0.0 {
+            lane.status = 0u;
+            continue;
+        }
+        if HAS_PATH_FILTER {
+            lane.status = (lane.status & ~31u)
+                | path_step(lane.status & 31u, select(EVENT_S, EVENT_D, is_scatter));
+            if CAUSTIC && (lane.status & 31u) == PATH_DEAD {
+                lane.status = 0u;
+                continue;
+            }
+        }
+        let start = departure(s, lane.direction, from_front);
+        lane.origin = start.origin;
+        lane.t_back = start.t_back;
+        lane.status += LANE_EVENT;
+    }
+    tally.stored += lane.stored - stored_before;
+    lanes[index] = lane;
+    tallies[index] = tally;
+}

@@ -1,0 +1,15 @@
+// What the scene needs; the rest is compiled out.
+
+override HAS_SMOOTH: bool = true;
+override HAS_SPECULAR: bool = true;
+override HAS_DIELECTRIC: bool = true;
+override HAS_GLOSSY: bool = true;
+override HAS_PATH_FILTER: bool = true;
+// Some emitter has a warp.
+override HAS_WARPS: bool = true;
+// Where the camera looks is marked.
+override HAS_VISIBLE_CELLS: bool = true;
+// Some light is a point, a spot or a sun.
+override HAS_DELTA_LIGHTS: bool = true;
+// Some faces lie in one place, or so near each other that rounded distances do not tell which a ray meets first.
+override HAS_CONTACTS: bool = true;

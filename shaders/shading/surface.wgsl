@@ -1,0 +1,53 @@
+// The surface at a hit: position, normals, side.
+// import: accel/intersect.wgsl
+// reads  triangles, shading_normals
+
+struct Surface {
+    position: vec3<f32>,
+    material: u32,
+    // Unit geometric normal of the front.
+    front: vec3<f32>,
+    is_smooth: bool,
+    // Unit shading normal of the front.
+    shading: vec3<f32>,
+    emitter: u32,
+    // How far off its plane f32 may put the position.
+    lift: f32,
+}
+
+fn surface_at(hit: Hit) -> Surface {
+    let t = triangle_at(hit.triangle);
+    let front = normalize(cross(t.e1, t.e2));
+    let lift = lift_of(front, abs(t.v0) + abs(t.e1) + abs(t.e2));
+    var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift);
+    if HAS_SMOOTH && (t.flags & SMOOTH) != 0u {
+        let packed = shading_normals[hit.triangle];
+        let n = (1.0 - hit.u - hit.v) * decode_direction(packed.x) + hit.u * decode_direction(packed.y)
+            + hit.v * decode_direction(packed.z);
+        let length2 = dot(n, n);
+        s.is_smooth = true;
+        s.shading = select(front, n * inverseSqrt(max(length2, 1e-20)), length2 > 1e-12);
+    }
+    return s;
+}
+
+// How far off a plane f32 may put a point that lies in it, by the extent along each axis of what spans the plane.
+fn lift_of(normal: vec3<f32>, extent: vec3<f32>) -> f32 {
+    return max(LIFT * dot(abs(normal), extent), LIFT_LEAST);
+}
+
+// Where a ray starts, and below which distance back faces are not met [E27].
+struct Departure {
+    origin: vec3<f32>,
+    t_back: f32,
+}
+
+// A ray that leaves a surface in a direction, having come from its front or its back. A ray out of a body starts on its
+// inner side, where it still meets the front of what touches the body.
+fn departure(s: Surface, direction: vec3<f32>, from_front: bool) -> Departure {
+    let cosine = dot(direction, s.front);
+    if !from_front && cosine > 0.0 {
+        return Departure(s.position - s.front * s.lift, 2.0 * s.lift / cosine);
+    }
+    return Departure(s.position + s.front * select(-s.lift, s.lift, cosine >= 0.0), 0.0);
+}
