@@ -43,6 +43,8 @@ macro_rules! for_every_struct {
             layout::Joton,
             layout::PathState,
             layout::LaneTally,
+            layout::ScanInfo,
+            layout::SortInfo,
             layout::AreaPoint,
             layout::Fit,
             layout::Clip,

@@ -12,15 +12,6 @@ struct Hit {
 }
 
 const MISS: u32 = 0xffffffffu;
-// Barycentric slack: a ray that meets an edge hits one triangle or the other, never neither …
-const EDGE_SLACK: f32 = 1e-6;
-// … and part of |origin − v0| |edge| / |determinant| by which the rounding of f32 moves a weight, eight half units in the
-// last place: small triangles far from the ray's origin have seams that no constant closes.
-const EDGE_ROUNDING: f32 = 4.76837158203125e-7;
-// A ray that lies in the triangle's plane, but for rounding, has no weights: the slack ends here.
-const EDGE_SLACK_MAX: f32 = 1.0;
-// Part of the distance between two points by which its rounding, and that of the direction, moves the end of a ray.
-const DISTANCE_ROUNDING: f32 = 4.76837158203125e-7;
 // Smallest divisor of a ray's direction.
 const TINY: f32 = 1e-20;
 
@@ -152,7 +143,7 @@ fn trace_ray(
             let is_inside = u >= -slack_u && v >= -slack_v && u + v <= 1.0 + max(slack_u, slack_v)
                 && t > select(0.0, t_back, det < 0.0);
             if any_hit {
-                let error = rounding * long_1 * long_2 + t_limit * DISTANCE_ROUNDING;
+                let error = rounding * long_1 * long_2 + t_limit * END_ROUNDING;
                 // where rounded distances do not tell, the end tells on which side of the plane it is
                 let is_near_end = abs(t - t_limit) < error;
                 let is_before = select((t < t_limit), (dot(v0 - end, cross(e1, e2)) * det > 0.0), is_near_end);

@@ -57,12 +57,6 @@ fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
     return LightSample(wi, sqrt(distance2), p - d, e.strength * (fall / (distance2 * e.pick)), 0.0);
 }
 
-// Emitters whose distance is worth a look, one by one.
-const NEAR_EMITTERS_MAX: u32 = 64u;
-// An emitter is near within this part of the width √(area / pick) that it stands for: 1/d² makes the weight of a shadow
-// ray unbounded there, and its variance infinite.
-const NEAR_WIDTH: f32 = 0.5;
-
 // True where p may lie so near to an emissive triangle that shadow rays alone have fireflies. It depends on the place
 // only, so the choice of estimator costs no bias.
 fn near_emitter(p: vec3<f32>) -> bool {

@@ -2,6 +2,7 @@
 // reads  map_info, lanes, lane_starts, jotons      writes  keys, places (slot of each joton), status
 // import: dispatch/index.wgsl
 // import: maps/grid.wgsl
+// import: paths/path_state.wgsl
 
 @group(0) @binding(0) var<uniform> map_info: MapInfo;
 @group(0) @binding(1) var<storage, read> lanes: array<PathState>;
@@ -10,9 +11,6 @@
 @group(0) @binding(4) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(5) var<storage, read_write> places: array<u32>;
 @group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
-
-const LANE_DONE: u32 = 256u;
-const LANE_CUT: u32 = 512u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {

@@ -4,13 +4,6 @@
 // writes  histogram (digit-major, one column a chunk), keys_out, places_out
 // import: dispatch/index.wgsl
 
-struct SortInfo {
-    shift: u32,
-    chunk: u32,
-    chunks: u32,
-    total_at: u32,
-}
-
 @group(0) @binding(0) var<uniform> sort_info: SortInfo;
 @group(0) @binding(1) var<storage, read> lane_starts: array<u32>;
 @group(0) @binding(2) var<storage, read> keys_in: array<u32>;

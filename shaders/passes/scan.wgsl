@@ -3,13 +3,6 @@
 // reads  scan_info      reads and writes  values, block_sums
 // import: dispatch/index.wgsl
 
-struct ScanInfo {
-    count: u32,
-    block: u32,
-    blocks: u32,
-    pad: u32,
-}
-
 @group(0) @binding(0) var<uniform> scan_info: ScanInfo;
 @group(0) @binding(1) var<storage, read_write> values: array<u32>;
 @group(0) @binding(2) var<storage, read_write> block_sums: array<u32>;

@@ -12,6 +12,7 @@
 // import: shading/scatter.wgsl
 // import: lights/emitter.wgsl
 // import: lights/emit.wgsl
+// import: paths/path_state.wgsl
 // import: paths/paths.wgsl
 // import: maps/visible_cells.wgsl
 
@@ -24,17 +25,8 @@ override CAUSTIC: bool = false;
 @group(1) @binding(4) var<storage, read_write> jotons: array<Joton>;
 @group(1) @binding(5) var<storage, read_write> tallies: array<LaneTally>;
 
-// Bits of PathState.status; the state of the path automaton lies below, the number of events above.
-const LANE_ALIVE: u32 = 32u;
-const LANE_MET_SPECULAR: u32 = 64u;
-const LANE_MET_DIFFUSE: u32 = 128u;
-const LANE_DONE: u32 = 256u;
-const LANE_CUT: u32 = 512u;
-const LANE_EVENT: u32 = 0x10000u;
 // Loop iterations of picking an emitter and of its warp, at most.
 const EMIT_STEPS: u32 = 34u;
-// Bound of the adjoint correction for shading normals where the geometry grazes.
-const ADJOINT_MAX: f32 = 8.0;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {

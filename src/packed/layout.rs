@@ -254,6 +254,34 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// A prefix sum: so many numbers, in blocks of so many, and how many blocks these are.
+    pub struct ScanInfo {
+        /// Numbers.
+        pub count: u32,
+        /// Numbers in a block.
+        pub block: u32,
+        /// Blocks.
+        pub blocks: u32,
+        /// Nothing.
+        pub pad: u32,
+    }
+}
+
+gpu_struct! {
+    /// A digit of a radix sort.
+    pub struct SortInfo {
+        /// Lowest bit of the digit.
+        pub shift: u32,
+        /// Items that an invocation takes.
+        pub chunk: u32,
+        /// Invocations.
+        pub chunks: u32,
+        /// Where the number of items stands in `total`.
+        pub total_at: u32,
+    }
+}
+
+gpu_struct! {
     /// A sample of the diffuse surfaces, standing for MapInfo.area_each.
     pub struct AreaPoint {
         /// Position.
@@ -399,8 +427,19 @@ pub const SURVIVAL_MAX: f32 = 0.99;
 /// Of so many jotons where the camera does not look one is stored, with the flux of all [E23].
 pub const UNSEEN_STORED: u32 = 8;
 
+/// Most that shading normals may change a joton's flux at one event [E11]; Veach's factor is unbounded at grazing angles.
+pub const ADJOINT_MAX: f32 = 8.0;
+
+/// Emitters whose distance is worth a look, one by one; where there are more, any may be near.
+pub const NEAR_EMITTERS_MAX: u32 = 64;
+
+/// An emitter is near within this part of the width √(A/pick) that it stands for: 1/d² makes the weight of a shadow ray
+/// unbounded there, its variance infinite.
+pub const NEAR_WIDTH: f32 = 0.5;
+
 /// Constants that the kernels use, as WGSL.
 pub fn constants() -> String {
+    use crate::packed::accel::{EDGE_ROUNDING, EDGE_SLACK, EDGE_SLACK_MAX, END_ROUNDING, ONE_PLACE};
     use crate::packed::{
         CLEAR, EmitterKind, FAR, LAMP, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, VISIBLE_CELL_FACTORS,
         VISIBLE_CELL_WORDS, WARP_BINS, WARP_WORDS, rank,
@@ -436,6 +475,7 @@ pub fn constants() -> String {
     u("VISIBLE_CELL_FACTOR_Y", VISIBLE_CELL_FACTORS[1]);
     u("VISIBLE_CELL_FACTOR_Z", VISIBLE_CELL_FACTORS[2]);
     u("UNSEEN_STORED", UNSEEN_STORED);
+    u("NEAR_EMITTERS_MAX", NEAR_EMITTERS_MAX);
     u("BACK_SIDE", BACK_SIDE);
     u("GLINT_TURNS", GLINT_TURNS);
     u("GLINT_TREES", GLINT_TREES);
@@ -476,7 +516,13 @@ pub fn constants() -> String {
     f("SURVIVAL_MAX", SURVIVAL_MAX);
     f("LIFT", LIFT);
     f("LIFT_LEAST", LIFT_LEAST);
-    f("ONE_PLACE", crate::packed::accel::ONE_PLACE);
+    f("ONE_PLACE", ONE_PLACE);
+    f("EDGE_SLACK", EDGE_SLACK);
+    f("EDGE_ROUNDING", EDGE_ROUNDING);
+    f("EDGE_SLACK_MAX", EDGE_SLACK_MAX);
+    f("END_ROUNDING", END_ROUNDING);
+    f("ADJOINT_MAX", ADJOINT_MAX);
+    f("NEAR_WIDTH", NEAR_WIDTH);
     f("SCENE_RADIUS", SCENE_RADIUS);
     f("NARROW_STOPS", NARROW_STOPS);
     f("FAR", FAR);
@@ -541,6 +587,8 @@ pub fn declarations() -> String {
         Joton::WGSL,
         PathState::WGSL,
         LaneTally::WGSL,
+        ScanInfo::WGSL,
+        SortInfo::WGSL,
         AreaPoint::WGSL,
         Fit::WGSL,
         Clip::WGSL,

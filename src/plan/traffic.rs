@@ -11,7 +11,7 @@ use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::{DielectricInterface, sample_d, specular_direction};
 use crate::optics::shading::roulette::EventProbabilities;
 use crate::packed::PackedScene;
-use crate::packed::layout::UNSEEN_STORED;
+use crate::packed::layout::{NEAR_EMITTERS_MAX, UNSEEN_STORED};
 use crate::sampling::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
 use crate::spectrum::{BANDS, Bands, mul, scale};
@@ -24,8 +24,6 @@ use std::ops::AddAssign;
 const PATHS: [u32; 3] = [1 << 12, 1 << 14, 1 << 14];
 /// Longest path that is followed.
 const EVENTS_MAX: u32 = 64;
-/// Emitters from which on every surface asks its lobes, too.
-const NEAR_EMITTERS_MAX: usize = 64;
 
 /// What paths of one kind do, in the mean.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -231,7 +229,7 @@ fn shadow(scene: &PackedScene, plan: &Plan, s: &SurfaceInteraction, [u, v, w]: [
         found.steps += steps(scene, &s.leave(light.wi), (light.target - s.position).length(), true);
     }
     // every sample shares its weight with one of the lobes where either is much better
-    if (s.flags().has_glossy() || lights.len() > NEAR_EMITTERS_MAX)
+    if (s.flags().has_glossy() || lights.len() > NEAR_EMITTERS_MAX as usize)
         && let Some(wi) = sample_d(s.material, s.back, s.ns, w, [u, v])
     {
         found.rays += 1.0;

@@ -62,14 +62,14 @@ fn numbers_past_65535_workgroups_are_all_there() {
              let i = linear_index(id, groups); if i >= {count}u {{ return; }} marks[i] += i + 1u; }}\n"
         );
         let linked = joton::backend::gpu::link_source(&text).unwrap_or_else(|e| panic!("{e}"));
-        let kernel = joton::backend::gpu::Kernel::from_source(context, "visible_cells", &linked, "main", &[])
+        let kernel = joton::backend::gpu::Kernel::from_source(context, "marks", &linked, "main", &[])
             .unwrap_or_else(|e| panic!("{e}"));
         let mut harness = joton::backend::gpu::harness::Harness::new(context);
-        harness.storage("visible_cells", &vec![0u32; count as usize]);
+        harness.storage("marks", &vec![0u32; count as usize]);
         harness
             .run(&kernel, &[], &[], joton::backend::gpu::harness::Work::Invocations(count))
             .unwrap_or_else(|e| panic!("{e}"));
-        let marks: Vec<u32> = harness.read("visible_cells").unwrap_or_else(|e| panic!("{e}"));
+        let marks: Vec<u32> = harness.read("marks").unwrap_or_else(|e| panic!("{e}"));
         let wrong = marks.iter().zip(1u32..).position(|(&m, i)| m != i);
         assert_eq!(wrong, None, "{groups} workgroups: {:?}", wrong.map(|w| marks[w]));
     }

@@ -12,6 +12,7 @@ use crate::optics::lights::reservoir::Reservoir;
 use crate::optics::lights::sample::{LightSample, pdf_light, sample_light};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
 use crate::optics::shading::bsdf::{eval_d, eval_narrow, pdf_d, sample_d};
+use crate::packed::layout::{NEAR_EMITTERS_MAX, NEAR_WIDTH};
 use crate::packed::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence2};
@@ -47,16 +48,10 @@ pub(super) fn light(
     scale(&mul(&sum, &g.throughput), 1.0 / count as f32)
 }
 
-/// Emitters whose distance is worth a look, one by one.
-const NEAR_EMITTERS_MAX: usize = 64;
-/// An emitter is near within this part of the width √(A/pick) that it stands for: 1/d² makes the weight of a shadow
-/// ray unbounded there, its variance infinite.
-const NEAR_WIDTH: f32 = 0.5;
-
 /// True where `position` may lie so near to an emissive triangle that shadow rays alone have fireflies. Depends on no
 /// random number but the place, so the choice of estimator costs no bias.
 fn near_emitter(lights: &[PackedEmitter], position: Vec3) -> bool {
-    lights.len() > NEAR_EMITTERS_MAX
+    lights.len() > NEAR_EMITTERS_MAX as usize
         || lights.iter().filter(|e| kind(e) == EmitterKind::Triangle).any(|e| {
             let (middle, reach) = e.circle();
             let near = reach + NEAR_WIDTH * (e.area / e.pick).sqrt();

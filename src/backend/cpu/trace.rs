@@ -13,14 +13,12 @@ use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::{DielectricInterface, eval_d, pdf_d, sample_d, specular_direction};
 use crate::optics::shading::roulette::EventProbabilities;
 use crate::packed::PackedScene;
-use crate::packed::layout::UNSEEN_STORED;
+use crate::packed::layout::{ADJOINT_MAX, UNSEEN_STORED};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence2};
 use crate::spectrum::{BANDS, Bands, max, mul, scale};
 use rayon::prelude::*;
 
-/// Most that shading normals may change a joton's flux at one event; Veach's factor is unbounded at grazing angles.
-const ADJOINT_MAX: f32 = 8.0;
 /// Jotons that one task traces: enough to hide the scheduling, few enough to balance it.
 const BLOCK: u32 = 2048;
 

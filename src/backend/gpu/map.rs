@@ -8,31 +8,10 @@ use crate::error::Result;
 use crate::estimators::maps::MapKind;
 use crate::estimators::radii::{Schedule, shrink};
 use crate::packed::PackedScene;
-use crate::packed::layout::MapInfo;
+use crate::packed::layout::{MapInfo, ScanInfo, SortInfo};
 use crate::plan::buffers::SCAN_BLOCK;
 use crate::plan::grid::Grid;
 use crate::plan::map_layout::{DIGIT_BITS, DeviceLimits, MapLayout};
-use bytemuck::{Pod, Zeroable};
-
-/// Uniform of the scan kernels.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct ScanInfo {
-    count: u32,
-    block: u32,
-    blocks: u32,
-    pad: u32,
-}
-
-/// Uniform of the radix kernels.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct SortInfo {
-    shift: u32,
-    chunk: u32,
-    chunks: u32,
-    total_at: u32,
-}
 
 /// Counters of a digit.
 const DIGITS: u32 = 1 << DIGIT_BITS;

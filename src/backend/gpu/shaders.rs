@@ -44,6 +44,7 @@ sources![
     "maps/visible_cells.wgsl",
     "camera/camera.wgsl",
     "paths/survival.wgsl",
+    "paths/path_state.wgsl",
     "paths/paths.wgsl",
     "paths/splits.wgsl",
     "paths/trees.wgsl",

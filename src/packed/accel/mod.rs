@@ -273,12 +273,12 @@ fn ray(origin: Vec3, direction: Vec3, t_max: f32) -> Ray {
 }
 
 /// Barycentric slack: rays that meet an edge hit one triangle or the other, never neither …
-const EDGE_SLACK: f32 = 1e-6;
+pub(crate) const EDGE_SLACK: f32 = 1e-6;
 /// … and part of |origin − v0| |edge| / |determinant| by which the rounding of f32 moves a weight, eight half units in the
 /// last place: small triangles far from the ray's origin have seams that no constant closes.
-const EDGE_ROUNDING: f32 = 8.0 / (1 << 24) as f32;
+pub(crate) const EDGE_ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 /// A ray that lies in the triangle's plane, but for rounding, has no weights: the slack ends here.
-const EDGE_SLACK_MAX: f32 = 1.0;
+pub(crate) const EDGE_SLACK_MAX: f32 = 1.0;
 
 /// Where a ray meets a triangle.
 struct Meeting {
@@ -319,8 +319,8 @@ fn meet<T: Face>(origin: Vec3A, direction: Vec3A, triangle: &T) -> Option<Meetin
     })
 }
 
-/// By how much rounding moves the end of a ray between two points, in its length.
-const END_ROUNDING: f32 = 8.0 / (1 << 24) as f32;
+/// Part of the distance between two points by which its rounding, and that of the direction, moves the end of a ray.
+pub(crate) const END_ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 
 /// Part of a plane's coordinates by which rounding moves it: faces that are no further apart lie in one place.
 pub const ONE_PLACE: f32 = 3.0 / (1 << 24) as f32;
