@@ -65,9 +65,10 @@ pub fn roomy(stored: u32) -> u32 {
     (f64::from(stored) * CAPACITY_SLACK) as u32 + CAPACITY_MORE
 }
 
-/// Dispatches of a pass where the pilot needed so many: other passes take a little longer.
+/// Dispatches of a pass where the pilot needed so many: single paths of other passes are a few times longer, and one that is not at its
+/// end costs the whole pass, while a dispatch of lanes that are done costs next to nothing.
 pub fn dispatches_kept(needed: u32) -> u32 {
-    needed + 1 + needed / 2
+    2 * needed + 2
 }
 
 impl MapLayout {
