@@ -14,13 +14,29 @@ struct Start {
     flux: Bands,
 }
 
+// Seeds of the pairs that choose places and directions, for the indices of this pass …
+var<private> place_seeds: vec3<u32>;
+var<private> direction_seeds: vec3<u32>;
+// … and for those of them past the next multiple of 2^32.
+var<private> place_seeds_wrapped: vec3<u32>;
+var<private> direction_seeds_wrapped: vec3<u32>;
+
+// Call this before `emit`, once: the seeds are the same for all jotons.
+fn prepare_emission() {
+    let place = select(STREAM_DIFFUSE_PLACE, STREAM_CAUSTIC_PLACE, CAUSTIC);
+    let direction = select(STREAM_DIFFUSE_DIRECTION, STREAM_CAUSTIC_DIRECTION, CAUSTIC);
+    place_seeds = sobol_seeds(sequence_seed(map_info.seed, 0u, place));
+    direction_seeds = sobol_seeds(sequence_seed(map_info.seed, 0u, direction));
+    place_seeds_wrapped = sobol_seeds(sequence_seed(map_info.seed_wrapped, 0u, place));
+    direction_seeds_wrapped = sobol_seeds(sequence_seed(map_info.seed_wrapped, 0u, direction));
+}
+
 fn emit(number: u32) -> Start {
-    let at = wide_sum(vec2(map_info.first_joton, map_info.first_joton_high), number);
-    let seed = seed_at(pass_info.seed, at.y);
-    let place_stream = select(STREAM_DIFFUSE_PLACE, STREAM_CAUSTIC_PLACE, CAUSTIC);
-    let direction_stream = select(STREAM_DIFFUSE_DIRECTION, STREAM_CAUSTIC_DIRECTION, CAUSTIC);
-    let u = sobol2(at.x, sequence_seed(seed, 0u, place_stream));
-    var v = sobol2(at.x, sequence_seed(seed, 0u, direction_stream));
+    // the low word of the index
+    let at = map_info.first_joton + number;
+    let is_wrapped = at < number;
+    let u = sobol_point(at, select(place_seeds, place_seeds_wrapped, is_wrapped));
+    var v = sobol_point(at, select(direction_seeds, direction_seeds_wrapped, is_wrapped));
     let pick = pick_emitter(u.x, pass_info.emitters);
     let e = emitters[pick.emitter];
     var share = 1.0 / (e.pick * f32(map_info.emitted));

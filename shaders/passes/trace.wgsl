@@ -44,6 +44,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let rays_before = tally.rays;
     let first_dimension = select(DIMENSION_DIFFUSE, DIMENSION_CAUSTIC, CAUSTIC);
 
+    prepare_emission();
     while steps < STEP_BUDGET {
         steps += 1u;
         if (lane.status & LANE_ALIVE) == 0u {

@@ -30,16 +30,10 @@ fn sequence_seed(seed: u32, path: u32, stream: u32) -> u32 {
     return pcg4d(vec4(path, stream, 0x9e3779b9u, seed)).w;
 }
 
-// The seed of indices with this high word, one to one (Murmur3's finalizer, Appleby 2011); its own for 0. A sequence has 2^32
-// points: another one goes on behind them.
+// The seed of indices with this high word, one to one; its own for 0. A sequence has 2^32 points: another one goes on behind
+// them. What seeds a sequence is mixed well by pcg4d, so a product with an odd number is enough here.
 fn seed_at(seed: u32, high: u32) -> u32 {
-    var x = high;
-    x ^= x >> 16u;
-    x *= 0x85ebca6bu;
-    x ^= x >> 13u;
-    x *= 0xc2b2ae35u;
-    x ^= x >> 16u;
-    return seed ^ x;
+    return seed ^ (high * 0x9e3779b1u);
 }
 
 // The sum in 64 bits, the low word first.
@@ -48,12 +42,11 @@ fn wide_sum(a: vec2<u32>, b: u32) -> vec2<u32> {
     return vec2(low, a.y + select(0u, 1u, low < b));
 }
 
-// The product in 64 bits, the low word first.
+// The product in 64 bits, the low word first; b is less than 2^16.
 fn wide_product(a: u32, b: u32) -> vec2<u32> {
-    let low = (a & 0xffffu) * (b & 0xffffu);
-    let first = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
-    let second = (a & 0xffffu) * (b >> 16u) + (first & 0xffffu);
-    return vec2(a * b, (a >> 16u) * (b >> 16u) + (first >> 16u) + (second >> 16u));
+    let low = (a & 0xffffu) * b;
+    let high = (a >> 16u) * b + (low >> 16u);
+    return vec2((high << 16u) | (low & 0xffffu), high >> 16u);
 }
 
 fn owen(input: u32, seed: u32) -> u32 {
@@ -79,9 +72,18 @@ fn sobol_second(index: u32) -> u32 {
 
 // Point `index` of a scrambled, shuffled Sobol pair.
 fn sobol2(index: u32, seed: u32) -> vec2<f32> {
-    let shuffled = owen(index, seed);
-    let seeds = pcg4d(vec4(seed, 1u, 2u, 3u));
-    return vec2(unit(owen(reverseBits(shuffled), seeds.x)), unit(owen(sobol_second(shuffled), seeds.y)));
+    return sobol_point(index, sobol_seeds(seed));
+}
+
+// What shuffles the points of a pair of a seed, and what scrambles each of its dimensions.
+fn sobol_seeds(seed: u32) -> vec3<u32> {
+    return vec3(seed, pcg4d(vec4(seed, 1u, 2u, 3u)).xy);
+}
+
+// Point `index` of the pair with these seeds: for whom takes many points of one.
+fn sobol_point(index: u32, seeds: vec3<u32>) -> vec2<f32> {
+    let shuffled = owen(index, seeds.x);
+    return vec2(unit(owen(reverseBits(shuffled), seeds.y)), unit(owen(sobol_second(shuffled), seeds.z)));
 }
 
 // Streams of low-discrepancy pairs.

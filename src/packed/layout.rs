@@ -135,8 +135,8 @@ gpu_struct! {
         pub first_joton: u32,
         /// The pass whose random numbers are used.
         pub pass_index: u32,
-        /// … and the high word.
-        pub first_joton_high: u32,
+        /// Seed of the sequences of this pass …
+        pub seed: u32,
         /// Area that each area point stands for; 0 where there are none.
         pub area_each: f32,
         /// One over the width of a cell of the area points' grid.
@@ -146,9 +146,9 @@ gpu_struct! {
         /// Columns of the area points' grid.
         pub area_columns: u32,
         /// One over the width of a marked cell.
-        pub marks_per_unit: f32,
-        /// Padding.
-        pub pad: u32,
+        pub cells_marked_per_unit: f32,
+        /// … and of those indices from the next multiple of 2^32 on.
+        pub seed_wrapped: u32,
     }
 }
 

@@ -38,13 +38,10 @@ pub fn sequence_seed(seed: u32, path: u32, stream: u32) -> u32 {
     pcg4d([path, stream, 0x9e37_79b9, seed])[3]
 }
 
-/// The seed of indices with this high word, one to one (Murmur3's finalizer, Appleby 2011); its own for 0. A sequence has
-/// 2^32 points: another one goes on behind them.
+/// The seed of indices with this high word, one to one; its own for 0. A sequence has 2^32 points: another one goes on behind
+/// them. What seeds a sequence is mixed well by [`pcg4d`], so a product with an odd number is enough here.
 pub fn seed_at(seed: u32, high: u32) -> u32 {
-    let mut x = high;
-    x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);
-    x = (x ^ x >> 13).wrapping_mul(0xc2b2_ae35);
-    seed ^ x ^ x >> 16
+    seed ^ high.wrapping_mul(0x9e37_79b1)
 }
 
 /// Point `index` of a path's sequence for a purpose: none comes again before 2^64.

@@ -10,6 +10,7 @@ use joton::backend::cpu::harness::emit;
 use joton::backend::gpu::harness::Harness;
 use joton::packed::{Guide, PackedEmitter, PackedScene};
 use joton::plan::{Plan, Settings};
+use joton::sampling::rng::seed_at;
 use joton::scene::Light;
 use std::f64::consts::{PI, TAU};
 
@@ -49,7 +50,7 @@ fn jotons_from(
         declarations: "override CAUSTIC: bool = false;
             @group(1) @binding(0) var<uniform> map_info: MapInfo;
             @group(1) @binding(1) var<uniform> targets: array<Target, 16>;\n",
-        code: "let s = emit(in_u(0u).x);
+        code: "prepare_emission(); let s = emit(in_u(0u).x);
             out_f(0u, vec4(s.origin, 0.0)); out_f(1u, vec4(s.direction, 0.0)); out_f(2u, vec4(s.flux, 0.0));",
         overrides: &[("CAUSTIC", if caustic { 1.0 } else { 0.0 })],
     };
@@ -59,7 +60,9 @@ fn jotons_from(
     pass.seed = 5;
     let mut map = map_info();
     map.emitted = COUNT;
-    (map.first_joton, map.first_joton_high) = (first as u32, (first >> 32) as u32);
+    map.first_joton = first as u32;
+    let high = (first >> 32) as u32;
+    (map.seed, map.seed_wrapped) = (seed_at(pass.seed, high), seed_at(pass.seed, high.wrapping_add(1)));
     let per_pass: [(&str, &[u8]); 2] =
         [("pass_info", bytemuck::bytes_of(&pass)), ("map_info", bytemuck::bytes_of(&map))];
     let inputs: Vec<[Row; 1]> = (0..count).map(|i| [[i, 0, 0, 0]]).collect();

@@ -72,7 +72,7 @@ fn emit(side: &str, scene: &PackedScene, caustic: bool) -> Option<Vec<Option<Sta
         return Some(numbers.into_iter().map(one).collect());
     }
     let context = crate::common::device()?;
-    let code = "let s = emit(in_u(0u).x);
+    let code = "prepare_emission(); let s = emit(in_u(0u).x);
         out_f(0u, vec4(s.origin, 0.0)); out_f(1u, vec4(s.direction, 0.0)); out_f(2u, vec4(s.flux, 0.0));";
     let inputs: Vec<[Row; 1]> = numbers.into_iter().map(|i| [[i, 0, 0, 0]]).collect();
     let out: Vec<[Row; 3]> = Device::new(context, scene, seed()).run(code, (caustic, EMITTED), &inputs);

@@ -101,7 +101,7 @@ fn emitted(side: Side, scene: &PackedScene, guide: &Guide, purpose: u32) -> Opti
         };
         return Some(numbers.map(one).collect());
     }
-    let code = "let s = emit(in_u(0u).x);
+    let code = "prepare_emission(); let s = emit(in_u(0u).x);
         out_f(0u, vec4(s.origin, 0.0)); out_f(1u, vec4(s.direction, 0.0)); out_f(2u, vec4(s.flux, 0.0));";
     let inputs: Vec<[Row; 1]> = numbers.map(|i| [[i, 0, 0, 0]]).collect();
     let mut device = Device::guided(crate::common::device()?, scene, seed(), guide);

@@ -12,6 +12,7 @@ use crate::packed::layout::{MapInfo, ScanInfo, SortInfo};
 use crate::plan::buffers::SCAN_BLOCK;
 use crate::plan::grid::Grid;
 use crate::plan::map_layout::{DIGIT_BITS, DeviceLimits, MapLayout};
+use crate::sampling::rng::seed_at;
 
 /// Counters of a digit.
 const DIGITS: u32 = 1 << DIGIT_BITS;
@@ -149,8 +150,10 @@ impl Map {
         pass: u64,
         random_pass: u32,
         planned: u32,
+        seed: u32,
     ) -> MapInfo {
         let first = self.shape.indices(random_pass, planned).start;
+        let high = (first >> 32) as u32;
         let radius = schedule.radius(pass) as f32;
         let Grid { origin, cells_per_unit, row_mask, columns } =
             Grid::new(scene.bounds, radius, self.shape.key_bits());
@@ -165,14 +168,14 @@ impl Map {
             lanes: self.shape.lanes,
             lane_capacity: self.shape.lane_capacity,
             first_joton: first as u32,
-            first_joton_high: (first >> 32) as u32,
+            seed: seed_at(seed, high),
             pass_index: random_pass,
             area_each: 0.0,
             area_cells_per_unit: 0.0,
             area_row_mask: 0,
             area_columns: 0,
-            marks_per_unit: 0.0,
-            pad: 0,
+            cells_marked_per_unit: 0.0,
+            seed_wrapped: seed_at(seed, high.wrapping_add(1)),
         }
     }
 

@@ -202,8 +202,15 @@ impl GpuBackend {
         let found = self.steps.as_ref().and_then(|s| s.maps.iter().find(|(m, _)| m.kind == kind));
         let Some((map, _)) = found else { return bytemuck::Zeroable::zeroed() };
         let schedule = if kind == MapKind::Caustic { &self.plan.caustic } else { &self.plan.diffuse };
-        let mut info = map.info(&self.scene, schedule, pass, random_pass, self.plan.jotons(kind));
-        info.marks_per_unit = self.plan.visible_cells.as_ref().map_or(0.0, |m| m.per_unit);
+        let mut info = map.info(
+            &self.scene,
+            schedule,
+            pass,
+            random_pass,
+            self.plan.jotons(kind),
+            self.plan.settings.seed,
+        );
+        info.cells_marked_per_unit = self.plan.visible_cells.as_ref().map_or(0.0, |m| m.per_unit);
         if let (MapKind::Diffuse, Some(area)) = (kind, &self.area) {
             info.area_each = area.each;
             info.area_cells_per_unit = area.cells_per_unit;
