@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Jotons that are traced first.
-const JOTONS: u32 = 1 << 14;
+const JOTONS: u32 = 1 << 13;
 /// A joton passes near the eye where its direction differs from the one to the eye by less than this.
 const NEAR: f32 = 0.3;
 /// It meets the eye where they differ by less than this.
