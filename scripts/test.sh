@@ -92,6 +92,9 @@ if cargo clippy --version >/dev/null 2>&1; then
     cargo clippy --workspace --all-targets -- -D warnings || failed="$failed clippy"
 fi
 
+say "cargo doc"
+RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet || failed="$failed doc"
+
 # Last, so that the counts are what one sees.
 say "cargo test"
 {

@@ -120,28 +120,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let events = lane.status / LANE_EVENT;
         let c = roulette_probabilities(m, lane.flux, reflectance, events);
         let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
-        var event = EVENT_ABSORB;
-        var edge = c.diffuse;
-        if random.x < edge {
-            event = EVENT_DIFFUSE;
-        } else {
-            edge += c.glossy;
-            if random.x < edge {
-                event = EVENT_GLOSSY;
-            } else {
-                edge += c.mirror;
-                if random.x < edge {
-                    event = EVENT_MIRROR;
-                } else {
-                    edge += c.reflect;
-                    if random.x < edge {
-                        event = EVENT_REFLECT;
-                    } else if random.x < edge + c.transmit {
-                        event = EVENT_TRANSMIT;
-                    }
-                }
-            }
-        }
+        let event = chosen_event(c, random.x);
         let kept = m.diffuse + m.glossy + select(m.specular, m.specular * reflectance + m.transmission * (1.0 - reflectance),
             (m.flag_bits & DIELECTRIC) != 0u);
         tally.absorbed += lane.flux * (1.0 - kept);

@@ -100,6 +100,27 @@ fn roulette_probabilities(m: PackedMaterial, carried: Bands, reflectance: f32, e
     return EventProbabilities(c.diffuse * scale, c.glossy * scale, c.mirror * scale, c.reflect * scale, c.transmit * scale);
 }
 
+// The event that u in [0, 1) falls on; absorption past all of them.
+fn chosen_event(c: EventProbabilities, u: f32) -> u32 {
+    var edge = c.diffuse;
+    if u < edge {
+        return EVENT_DIFFUSE;
+    }
+    edge += c.glossy;
+    if u < edge {
+        return EVENT_GLOSSY;
+    }
+    edge += c.mirror;
+    if u < edge {
+        return EVENT_MIRROR;
+    }
+    edge += c.reflect;
+    if u < edge {
+        return EVENT_REFLECT;
+    }
+    return select(EVENT_ABSORB, EVENT_TRANSMIT, u < edge + c.transmit);
+}
+
 // Probability that a sample of the D lobes takes the Lambert lobe.
 fn matte_share(m: PackedMaterial) -> f32 {
     let glossy = max_band(m.glossy);

@@ -55,8 +55,8 @@ pub trait Backend {
 
     /// From now on tiles rest as told: a batch holds the sums of the passes that each takes part in. False where the backend
     /// does not do that; then it renders everything.
-    fn rest(&mut self, rest: &TileSchedule) -> bool {
-        let _ = rest;
+    fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {
+        let _ = schedule;
         false
     }
 

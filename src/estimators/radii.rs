@@ -1,4 +1,4 @@
-//! Radius schedules: r_i² = r_1² ∏ (k+α)/(k+1) for k = 1 … i−1, always from the base radius (Knaus & Zwicker 2011) [E10].
+//! Radius schedules: r_i² = r_1² ∏ (k+α)/(k+1) for k = 1 … i−1, always from the base radius (Knaus & Zwicker 2011) \[E10\].
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
 //! SplitPaths: the pixels whose emission (E S* L) camera trees look for besides the eye path, and how many of them a pass
-//! follows [E25]. A pilot marks them; what the passes see makes trees more where a pixel's emission is noisy.
+//! follows \[E25\]. A pilot marks them; what the passes see makes trees more where a pixel's emission is noisy.
 
 use crate::film::neighbours::around;
 use crate::film::{Film, Layer, RELATIVE_OFFSET};

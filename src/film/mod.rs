@@ -106,14 +106,14 @@ pub struct Picture {
 }
 
 /// Sums over passes, per layer and pixel, in f64: 1e5 passes do not drift. A sample of a tile that rests counts for the
-/// passes of its block [E21].
+/// passes of its block \[E21\].
 #[derive(Debug, Clone)]
 pub struct Film {
     width: u32,
     height: u32,
     passes: u64,
     sums: [Vec<[f64; BANDS]>; LAYERS],
-    rest: TileSchedule,
+    schedule: TileSchedule,
     /// The last sample of the pixels whose block is longer than a batch; empty before there are any. `sums` has it as often
     /// as its block has passes, those to come among them.
     last: [Vec<Bands>; LAYERS],
@@ -128,7 +128,7 @@ impl Film {
             height,
             passes: 0,
             sums: std::array::from_fn(|_| vec![[0.0; BANDS]; n]),
-            rest: TileSchedule::none([width, height]),
+            schedule: TileSchedule::none([width, height]),
             last: Default::default(),
         }
     }
@@ -144,23 +144,23 @@ impl Film {
     }
 
     /// Who rests.
-    pub fn rest(&self) -> &TileSchedule {
-        &self.rest
+    pub fn tile_schedule(&self) -> &TileSchedule {
+        &self.schedule
     }
 
     /// From here on these tiles rest. No block of those that do now is open.
-    pub fn set_rest(&mut self, rest: TileSchedule) {
-        if !rest.is_none() && self.last[0].is_empty() {
+    pub fn set_tile_schedule(&mut self, schedule: TileSchedule) {
+        if !schedule.is_none() && self.last[0].is_empty() {
             self.last = std::array::from_fn(|_| vec![[0.0; BANDS]; self.sums[0].len()]);
         }
-        self.rest = rest;
+        self.schedule = schedule;
     }
 
     /// Add the sums of `passes` passes, one slice of pixels for each layer; none for a layer that is not traced. They are a
     /// power of two and begin at a multiple of it, where anything rests.
     pub fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
         let width = self.width as usize;
-        let runs = self.rest.runs(self.passes, passes);
+        let runs = self.schedule.runs(self.passes, passes);
         self.passes += passes;
         for ((sum, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
             if layer.is_empty() {
@@ -190,7 +190,7 @@ impl Film {
     /// Sum over the passes of a layer of a pixel.
     pub(crate) fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
         let sum = self.sums[layer][pixel];
-        match self.rest.pending_at(pixel, self.passes) {
+        match self.schedule.pending_at(pixel, self.passes) {
             0 => sum,
             pending => {
                 let last = self.last[layer][pixel];

@@ -1,4 +1,4 @@
-//! TileSchedule: which tiles of the image take part in a pass, and how many passes they stand for when they do [E21].
+//! TileSchedule: which tiles of the image take part in a pass, and how many passes they stand for when they do \[E21\].
 
 use std::ops::Range;
 
@@ -173,13 +173,17 @@ mod tests {
     /// passes.
     #[test]
     fn every_pass_is_stood_for_once() {
-        let rest = mixed();
+        let schedule = mixed();
         for passes in 16..80u64 {
-            for (tile, k) in rest.exponents().iter().enumerate() {
-                let weight = rest.samples(tile, 0, passes) << k;
+            for (tile, k) in schedule.exponents().iter().enumerate() {
+                let weight = schedule.samples(tile, 0, passes) << k;
                 assert_eq!(weight - TileSchedule::pending(*k, passes), passes, "tile {tile}");
-                let live = (0..passes).filter(|p| rest.is_live(tile, *p)).count() as u64;
-                assert_eq!(rest.samples(tile, 0, 5) + rest.samples(tile, 5, passes - 5), live, "tile {tile}");
+                let live = (0..passes).filter(|p| schedule.is_live(tile, *p)).count() as u64;
+                assert_eq!(
+                    schedule.samples(tile, 0, 5) + schedule.samples(tile, 5, passes - 5),
+                    live,
+                    "tile {tile}"
+                );
             }
         }
     }
@@ -187,44 +191,44 @@ mod tests {
     /// From one power of two to the next the samples use consecutive indices from it on; who never rests uses the pass.
     #[test]
     fn indices_follow_each_other_and_are_used_once() {
-        let rest = mixed();
-        for (tile, k) in rest.exponents().iter().enumerate() {
+        let schedule = mixed();
+        for (tile, k) in schedule.exponents().iter().enumerate() {
             for octave in [32u32, 64, 1024] {
-                let live = (octave..2 * octave).filter(|p| rest.is_live(tile, u64::from(*p)));
-                let used: Vec<u32> = live.map(|p| rest.sequence_index(tile, p)).collect();
+                let live = (octave..2 * octave).filter(|p| schedule.is_live(tile, u64::from(*p)));
+                let used: Vec<u32> = live.map(|p| schedule.sequence_index(tile, p)).collect();
                 let wanted: Vec<u32> = (octave..octave + (octave >> k)).collect();
                 assert_eq!(used, wanted, "tile {tile}");
             }
         }
-        assert_eq!(rest.sequence_index(0, 0), 0);
+        assert_eq!(schedule.sequence_index(0, 0), 0);
     }
 
     /// The runs of a pass are its live pixels, each once; the others rest.
     #[test]
     fn runs_are_the_live_pixels() {
-        let rest = mixed();
-        let [width, height] = rest.size().map(|n| n as usize);
+        let schedule = mixed();
+        let [width, height] = schedule.size().map(|n| n as usize);
         for (first, passes) in [(0, 1), (1, 1), (4, 1), (5, 3), (5, 4), (17, 16)] {
             let mut times = vec![0; width * height];
-            for run in rest.runs(first, passes) {
+            for run in schedule.runs(first, passes) {
                 run.pixels(width).flatten().for_each(|p| times[p] += run.weight);
             }
             for (p, times) in times.iter().enumerate() {
                 let tile = p / width / 8 * 3 + p % width / 8;
-                let live = (first..first + passes).any(|pass| rest.is_live(tile, pass));
-                let wanted = if live { 1 << rest.exponents()[tile] } else { 0 };
+                let live = (first..first + passes).any(|pass| schedule.is_live(tile, pass));
+                let wanted = if live { 1 << schedule.exponents()[tile] } else { 0 };
                 assert_eq!(*times, wanted, "pixel {p} in {passes} passes from {first}");
             }
             let row = |at: usize| at / width;
             let live: Vec<usize> = (0..times.len()).filter(|p| times[*p] > 0).map(row).collect();
-            assert_eq!(rest.rows(first, passes), live[0]..live[live.len() - 1] + 1);
+            assert_eq!(schedule.rows(first, passes), live[0]..live[live.len() - 1] + 1);
             if passes == 1 {
                 let resting = times.iter().filter(|n| **n == 0).count() as u64;
-                assert_eq!(resting, rest.pixels_resting(first));
+                assert_eq!(resting, schedule.pixels_resting(first));
             }
         }
-        assert_eq!(rest.runs(1, 1).len(), 2, "neighbours that are alike are one run");
-        assert!(TileSchedule::none([20, 12]).is_none() && !rest.is_none());
+        assert_eq!(schedule.runs(1, 1).len(), 2, "neighbours that are alike are one run");
+        assert!(TileSchedule::none([20, 12]).is_none() && !schedule.is_none());
         assert_eq!(TileSchedule::new([20, 12], vec![1; 6]).rows(3, 1), 0..0);
         assert_eq!(TileSchedule::new([20, 12], vec![1, 1, 1, 1, 0, 1]).rows(3, 1), 8..12);
     }

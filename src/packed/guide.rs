@@ -70,7 +70,7 @@ impl Guide {
     }
 }
 
-/// A density on the unit square, constant in each of 32 × 32 bins, drawn from by inversion: even points stay even [E20].
+/// A density on the unit square, constant in each of 32 × 32 bins, drawn from by inversion: even points stay even \[E20\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Warp {
     /// Steps below each row, then below each bin of each row.

@@ -155,7 +155,7 @@ gpu_struct! {
 gpu_struct! {
     /// Where a camera path met its first diffuse surface; 48 bytes, one for each pixel.
     pub struct GatherPoint {
-        /// Position, lifted off the surface toward the eye [E27]: where rays from it start.
+        /// Position, lifted off the surface toward the eye \[E27\]: where rays from it start.
         pub position: Vec3,
         /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, and
         /// [`BACK_SIDE`] where the back of the triangle is seen.
@@ -170,7 +170,7 @@ gpu_struct! {
         pub shading_normal: u32,
         /// Direction toward the eye, octahedral.
         pub wo: u32,
-        /// How many trees look for emission besides the eye path [E25]; stays from pass to pass.
+        /// How many trees look for emission besides the eye path \[E25\]; stays from pass to pass.
         pub glint_level: u32,
     }
 }
@@ -224,7 +224,7 @@ gpu_struct! {
         pub flux: Bands,
         /// Low 5 bits: state of the path automaton; then LANE_ bits; above bit 16 the number of events.
         pub status: u32,
-        /// Back faces nearer than this are not met by the next ray [E27].
+        /// Back faces nearer than this are not met by the next ray \[E27\].
         pub t_back: f32,
         /// Padding.
         pub pad0: u32,
@@ -406,7 +406,7 @@ pub const EDGE_CUT: u32 = 1;
 pub const EDGE_OTHERS: u32 = 2;
 
 /// Rays leave a plane by this part of the coordinates that say how far off the origin it is: eight half units in the last
-/// place. Points of the plane are rounded so, and so is where another ray meets it [E27].
+/// place. Points of the plane are rounded so, and so is where another ray meets it \[E27\].
 pub const LIFT: f32 = 8.0 / (1 << 24) as f32;
 /// … and by no less than this, internal units: a plane through the origin of the scene is exact.
 pub const LIFT_LEAST: f32 = 1.0 / (1 << 20) as f32;
@@ -419,15 +419,15 @@ pub const SCENE_RADIUS: f32 = 1024.0;
 
 /// Events after which no path goes on for sure …
 pub const SURE_EVENTS: u32 = 64;
-/// … but with this probability at most, at each event [E3]: so paths end between perfect mirrors and inside bodies that
+/// … but with this probability at most, at each event \[E3\]: so paths end between perfect mirrors and inside bodies that
 /// reflect totally. No less than what the whitest walls keep of light: these end paths by their own absorption. No more,
 /// since a GPU waits for the longest path of a pass.
 pub const SURVIVAL_MAX: f32 = 0.99;
 
-/// Of so many jotons where the camera does not look one is stored, with the flux of all [E23].
+/// Of so many jotons where the camera does not look one is stored, with the flux of all \[E23\].
 pub const UNSEEN_STORED: u32 = 8;
 
-/// Most that shading normals may change a joton's flux at one event [E11]; Veach's factor is unbounded at grazing angles.
+/// Most that shading normals may change a joton's flux at one event \[E11\]; Veach's factor is unbounded at grazing angles.
 pub const ADJOINT_MAX: f32 = 8.0;
 
 /// Emitters whose distance is worth a look, one by one; where there are more, any may be near.

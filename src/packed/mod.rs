@@ -92,7 +92,7 @@ pub struct PackedScene {
     pub bounds: [Vec3; 2],
     /// Area of all surfaces that have a diffuse or glossy lobe (one side).
     pub diffuse_area: f64,
-    /// Some faces may lie in one place: which of them a ray meets is to be asked [E27].
+    /// Some faces may lie in one place: which of them a ray meets is to be asked \[E27\].
     pub has_contacts: bool,
     /// What the scene has beside this.
     pub out_of_reach: OutOfReach,

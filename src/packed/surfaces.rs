@@ -113,7 +113,7 @@ impl MaterialFlags {
     pub fn is_dielectric(self) -> bool {
         self.0 & Self::DIELECTRIC != 0
     }
-    /// A dielectric with both of its faces in one place: what passes is not bent [E26].
+    /// A dielectric with both of its faces in one place: what passes is not bent \[E26\].
     pub fn is_thin(self) -> bool {
         self.0 & Self::THIN != 0
     }

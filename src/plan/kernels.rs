@@ -1,7 +1,7 @@
 //! Kernels: what a pass dispatches, how much work that is, and what it costs, told without a device.
 //!
 //! **Work** is counted, not guessed: a few thousand paths tell how many nodes and triangles rays look at, and how many jotons and
-//! area points lie in the buckets that discs look through ([`super::traffic`], [`super::discs`]). A test holds it to what is there.
+//! area points lie in the buckets that discs look through ([`super::traffic`], `discs.rs`). A test holds it to what is there.
 //!
 //! **Costs** are milliseconds of a reference machine: two idle cores, lavapipe of Mesa 22.3.6 (LLVM 15, 8 lanes). Unit costs
 //! were fitted by hand to `--timings` of 15 scenes at 192 × 192 and 512 × 512 (docs/BENCHMARKS.md, "What a plan tells"). Other

@@ -68,7 +68,7 @@ pub struct Plan {
     pub light_candidates: u32,
     /// Where the camera looks; none where jotons are stored wherever they are.
     pub visible_cells: Option<Arc<VisibleCells>>,
-    /// Pixels, in ascending order, that show an image of a lamp too small for camera rays to find [E25].
+    /// Pixels, in ascending order, that show an image of a lamp too small for camera rays to find \[E25\].
     pub lamp_images: Arc<[u32]>,
     /// Which of [`Layer::ALL`] is traced.
     pub layers: [bool; LAYERS],
@@ -88,7 +88,7 @@ pub struct Plan {
     pub skipped: Vec<Skip>,
 }
 
-/// How lights are picked and jotons steered, by what was learned [E20].
+/// How lights are picked and jotons steered, by what was learned \[E20\].
 #[derive(Debug, Clone, Default)]
 pub struct Guides {
     /// For the jotons of the caustic map.

@@ -8,13 +8,13 @@ use crate::film::Layer;
 use crate::optics::lights::emit::{Start, aimed, by_law};
 use crate::optics::lights::sample::sample_light;
 use crate::optics::ray::{Ray, SurfaceInteraction};
-use crate::optics::shading::bsdf::{DielectricInterface, sample_d, specular_direction};
-use crate::optics::shading::roulette::EventProbabilities;
+use crate::optics::shading::bsdf::sample_d;
+use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
 use crate::packed::layout::{NEAR_EMITTERS_MAX, UNSEEN_STORED};
 use crate::sampling::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
-use crate::spectrum::{BANDS, Bands, mul, scale};
+use crate::spectrum::{BANDS, Bands};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -184,12 +184,11 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
                 found.stored.push(s.position);
             }
         }
-        let interface = s.flags().is_dielectric().then(|| DielectricInterface::at(&s));
-        let probabilities = EventProbabilities::new(&s, interface.as_ref(), &flux, event);
+        let probabilities = EventProbabilities::new(&s, &flux, event);
         // nothing is absorbed by chance on the way from the eye
         let kept = if path == Path::Camera { probabilities.ways.iter().map(|w| w.1).sum() } else { 1.0 };
         let Some(way) = probabilities.choose(u_way * kept) else { break };
-        if way == 0 && path != Path::Diffuse {
+        if way == SCATTERED && path != Path::Diffuse {
             if path == Path::Camera {
                 found.mean.stored += 1.0;
                 let radius = plan.diffuse.radius(0) as f32;
@@ -203,15 +202,10 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
             }
             break;
         }
-        let leaving = match way {
-            0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
-            _ => specular_direction(&s, interface.as_ref(), way == 2, [u0, u1]),
-        };
-        let Some(w) = leaving else { break };
-        let (reflectance, probability) = probabilities.ways[way];
-        flux = scale(&mul(&flux, &reflectance), 1.0 / probability);
-        met_diffuse |= way == 0;
-        met_specular |= way > 0;
+        let Some(w) = probabilities.direction(&s, way, u_lobe, [u0, u1]) else { break };
+        flux = probabilities.carried(way, &flux);
+        met_diffuse |= way == SCATTERED;
+        met_specular |= way != SCATTERED;
         ray = s.leave(w);
     }
     found

@@ -177,15 +177,15 @@ impl ErrorEstimator {
             self.early_passes = first;
         }
         if blur > 0.0 {
-            let runs = self.film.rest().runs(first, passes);
+            let runs = self.film.tile_schedule().runs(first, passes);
             self.lines[half(first)].add(&self.lattice, passes, layers, blur, &runs);
         }
         self.film.add(passes, layers);
     }
 
     /// From here on these tiles rest.
-    pub(crate) fn set_rest(&mut self, rest: TileSchedule) {
-        self.film.set_rest(rest);
+    pub(crate) fn set_tile_schedule(&mut self, schedule: TileSchedule) {
+        self.film.set_tile_schedule(schedule);
     }
 
     /// All passes.
@@ -318,7 +318,7 @@ mod tests {
 
     /// The same of halves that are given.
     fn sampled(
-        mut halves: ErrorEstimator,
+        mut estimator: ErrorEstimator,
         passes: u64,
         blur: impl Fn(u64) -> f64,
         at: impl Fn(u64, usize) -> f64,
@@ -328,9 +328,9 @@ mod tests {
             for (p, value) in layers[Layer::Diffuse as usize].iter_mut().enumerate() {
                 *value = [at(pass, p) as f32; BANDS];
             }
-            halves.add(pass, 1, &layers, blur(pass));
+            estimator.add(pass, 1, &layers, blur(pass));
         }
-        halves
+        estimator
     }
 
     /// Uniform in −1 to 1: variance 1/3.
@@ -355,23 +355,23 @@ mod tests {
     fn some_pixels_tell_the_error_of_all() {
         let at = |n: u64, p: usize| 1.0 + p as f64 / 200.0 + 0.1 * uniform(n, p);
         for (most, step) in [(1600, 1), (1599, 2), (400, 2), (399, 3), (196, 3)] {
-            let halves = sampled(ErrorEstimator::with_samples(SIZE, most), 16, |_| 1.0, at);
-            let lattice = halves.lattice;
-            assert_eq!((lattice.step, halves.early.len()), (step, 40usize.div_ceil(step).pow(2)));
-            for (sample, early) in halves.early.iter().enumerate() {
-                let mean = early[0] / halves.early_passes as f64;
+            let estimator = sampled(ErrorEstimator::with_samples(SIZE, most), 16, |_| 1.0, at);
+            let lattice = estimator.lattice;
+            assert_eq!((lattice.step, estimator.early.len()), (step, 40usize.div_ceil(step).pow(2)));
+            for (sample, early) in estimator.early.iter().enumerate() {
+                let mean = early[0] / estimator.early_passes as f64;
                 let wanted = 1.0 + lattice.pixel(sample) as f64 / 200.0;
                 assert!((mean - wanted).abs() < 0.11, "sample {sample}, step {step}: {mean}, {wanted}");
-                let line = halves.lines.iter().map(|l| l.radiance[sample][0]).sum::<f64>() / 16.0;
+                let line = estimator.lines.iter().map(|l| l.radiance[sample][0]).sum::<f64>() / 16.0;
                 assert!((line - wanted).abs() < 0.11, "sample {sample}, step {step}: {line}, {wanted}");
             }
             assert_eq!(
-                halves.picture().whole,
+                estimator.picture().whole,
                 sampled(ErrorEstimator::new(SIZE), 16, |_| 1.0, at).picture().whole
             );
             let even = |n: u64, p: usize| 2.0 + 0.1 * uniform(n, p);
-            let halves = sampled(ErrorEstimator::with_samples(SIZE, most), 16, |_| 1.0, even);
-            let noise = halves.error().expect("two halves").noise;
+            let estimator = sampled(ErrorEstimator::with_samples(SIZE, most), 16, |_| 1.0, even);
+            let noise = estimator.error().expect("two halves").noise;
             let truth = 0.1 / (3.0 * 16.0 * (4.0 + RELATIVE_OFFSET)).sqrt();
             assert!((noise / truth - 1.0).abs() < 0.15, "{noise} {truth}");
         }
@@ -384,8 +384,8 @@ mod tests {
         let passes = 256;
         let mean_blur = (0..passes).map(blur).sum::<f64>() / passes as f64;
         for noise in [0.0, 0.1] {
-            let halves = after(passes, blur, |n, p| 2.0 - 0.3 * blur(n) + noise * uniform(n, p));
-            let e = halves.error().expect("two halves");
+            let estimator = after(passes, blur, |n, p| 2.0 - 0.3 * blur(n) + noise * uniform(n, p));
+            let e = estimator.error().expect("two halves");
             let truth = 0.3 * mean_blur / (2.0 - 0.3 * mean_blur);
             assert!((e.bias / truth - 1.0).abs() < 0.05, "{e:?}, truth {truth}");
         }

@@ -17,7 +17,7 @@ pub use state::RenderState;
 /// [`DEFAULT_SECONDS`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Stop {
-    /// After this many passes; after [`PASSES_MAX`] in any case.
+    /// After this many passes; after [`PASSES_MAX`](crate::backend::PASSES_MAX) in any case.
     pub passes: Option<u64>,
     /// After this many seconds of rendering.
     pub seconds: Option<f64>,
@@ -72,13 +72,13 @@ pub struct Progress<'a> {
     pub cpu_seconds: f64,
     /// Sums of all counts so far.
     pub tally: &'a Tally,
-    halves: &'a ErrorEstimator,
+    estimator: &'a ErrorEstimator,
 }
 
 impl Progress<'_> {
     /// The mean of the passes so far. Computed for who asks; the time that takes is not counted as rendering.
     pub fn picture(&self) -> Picture {
-        self.halves.picture()
+        self.estimator.picture()
     }
 }
 
@@ -205,7 +205,7 @@ mod tests {
 
     /// A pixel of radiance 1 in each layer, as a device sees it that lets it rest or not, up to a pass at which it fails.
     struct Steady {
-        rest: Option<TileSchedule>,
+        schedule: Option<TileSchedule>,
         batch: u32,
         fails_at: u64,
     }
@@ -219,8 +219,8 @@ mod tests {
             self.batch
         }
 
-        fn rest(&mut self, rest: &TileSchedule) -> bool {
-            self.rest.as_mut().map(|r| *r = rest.clone()).is_some()
+        fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {
+            self.schedule.as_mut().map(|r| *r = schedule.clone()).is_some()
         }
 
         fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
@@ -228,7 +228,8 @@ mod tests {
                 return Err(Error::device("it fails", "try another"));
             }
             let passes = first..first + u64::from(count);
-            let is_live = |pass: &u64| self.rest.as_ref().is_none_or(|rest| rest.is_live(0, *pass));
+            let is_live =
+                |pass: &u64| self.schedule.as_ref().is_none_or(|schedule| schedule.is_live(0, *pass));
             let sum = passes.filter(is_live).count() as f32;
             Ok(Batch { layers: std::array::from_fn(|_| vec![[sum; BANDS]; 64]), tally: Tally::default() })
         }
@@ -242,10 +243,10 @@ mod tests {
         for (rests, batch) in [([true, true], 4), ([true, false], 4), ([false, true], 1), ([true, false], 16)]
         {
             for fails_at in [1, 5, 37, 48] {
-                let rest = rests.map(|rests| rests.then(|| TileSchedule::none(size)));
-                let [first, second] = rest;
-                let first = Steady { rest: first, batch: 1, fails_at };
-                let second = Steady { rest: second, batch, fails_at: u64::MAX };
+                let schedule = rests.map(|rests| rests.then(|| TileSchedule::none(size)));
+                let [first, second] = schedule;
+                let first = Steady { schedule: first, batch: 1, fails_at };
+                let second = Steady { schedule: second, batch, fails_at: u64::MAX };
                 let (mut state, mut next) =
                     (RenderState::new(size), Some(Box::new(second) as Box<dyn Backend>));
                 let stop = Stop { passes: Some(130), ..Stop::default() };

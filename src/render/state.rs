@@ -19,7 +19,7 @@ pub struct RenderState {
     size: [u32; 2],
     sums: ErrorEstimator,
     /// Who may rest, where the first device lets pixels rest.
-    quiet: Option<StaticTiles>,
+    static_tiles: Option<StaticTiles>,
     glimpses: split_paths::Watch,
     /// Who had trees last.
     glints: Option<SplitPaths>,
@@ -38,7 +38,7 @@ impl RenderState {
         Self {
             size,
             sums: ErrorEstimator::new(size),
-            quiet: None,
+            static_tiles: None,
             glimpses: split_paths::Watch::new(size),
             glints: None,
             tally: Tally::default(),
@@ -119,16 +119,16 @@ impl RenderState {
 
     /// Tell a backend who rests and who has trees.
     fn set_up(&mut self, backend: &mut dyn Backend) -> Result<()> {
-        let can_rest = backend.rest(&TileSchedule::none(self.size));
+        let can_rest = backend.set_tile_schedule(&TileSchedule::none(self.size));
         if self.passes == 0 {
-            self.quiet = can_rest.then(|| StaticTiles::new(self.size));
+            self.static_tiles = can_rest.then(|| StaticTiles::new(self.size));
             return Ok(());
         }
         if can_rest {
-            backend.rest(self.sums.film().rest());
+            backend.set_tile_schedule(self.sums.film().tile_schedule());
         } else {
             // pixels that rest get their samples, and more that nobody asked for, until they wake
-            self.quiet = None;
+            self.static_tiles = None;
         }
         if let (Some(own), Some(before)) = (backend.split_paths(), &self.glints) {
             let joined = own.joined(before);
@@ -139,7 +139,7 @@ impl RenderState {
 
     /// Passes of the next batch: a power of two, which blocks of resting tiles are whole parts of, or whole multiples.
     fn batch_passes(&self, backend: &dyn Backend, stop: Stop) -> u64 {
-        if self.quiet.is_none() && !self.sums.film().rest().is_none() {
+        if self.static_tiles.is_none() && !self.sums.film().tile_schedule().is_none() {
             // the film takes single samples, and the device sums all
             return 1;
         }
@@ -158,8 +158,8 @@ impl RenderState {
         self.sums.add(self.passes, count, &batch.layers, mean_blur(backend, self.passes, count));
         self.tally += batch.tally;
         self.imbalance.add(count, &batch.tally);
-        if let Some(quiet) = &mut self.quiet {
-            quiet.watch(self.passes, count, &batch.layers);
+        if let Some(static_tiles) = &mut self.static_tiles {
+            static_tiles.watch(self.passes, count, &batch.layers);
         }
         self.passes += count;
         if is_estimated(self.passes) {
@@ -173,16 +173,18 @@ impl RenderState {
                 backend.set_split_paths(grown)?;
             }
         }
-        match &mut self.quiet {
-            Some(quiet) => {
-                if let Some(rest) = quiet.renew(self.passes, backend.split_paths()) {
-                    backend.rest(rest);
-                    self.sums.set_rest(rest.clone());
+        match &mut self.static_tiles {
+            Some(static_tiles) => {
+                if let Some(schedule) = static_tiles.renew(self.passes, backend.split_paths()) {
+                    backend.set_tile_schedule(schedule);
+                    self.sums.set_tile_schedule(schedule.clone());
                 }
             }
             // all blocks end here
-            None if self.passes.is_multiple_of(1 << EXPONENT_MAX) && !self.sums.film().rest().is_none() => {
-                self.sums.set_rest(TileSchedule::none(self.size));
+            None if self.passes.is_multiple_of(1 << EXPONENT_MAX)
+                && !self.sums.film().tile_schedule().is_none() =>
+            {
+                self.sums.set_tile_schedule(TileSchedule::none(self.size));
             }
             None => {}
         }
@@ -199,7 +201,7 @@ impl RenderState {
         let by_passes = part(self.passes as f64, stop.passes.map(|p| p as f64));
         let done = by_passes.max(part(seconds, stop.seconds)).max(by_error).min(1.0);
         let (passes, error) = (self.passes, self.error);
-        Progress { passes, seconds, error, done, cpu_seconds, tally: &self.tally, halves: &self.sums }
+        Progress { passes, seconds, error, done, cpu_seconds, tally: &self.tally, estimator: &self.sums }
     }
 
     /// Why to stop here, if so.

@@ -24,21 +24,21 @@ enum Seen {
 #[derive(Debug)]
 pub(crate) struct StaticTiles {
     seen: Vec<Seen>,
-    rest: TileSchedule,
+    schedule: TileSchedule,
 }
 
 impl StaticTiles {
     /// Nothing was seen yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
-        let rest = TileSchedule::none(size);
-        Self { seen: vec![Seen::Nothing; rest.exponents().len()], rest }
+        let schedule = TileSchedule::none(size);
+        Self { seen: vec![Seen::Nothing; schedule.exponents().len()], schedule }
     }
 
     /// Look at the sums of `passes` passes from `first` on; a layer without pixels is black.
     pub(crate) fn watch(&mut self, first: u64, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
-        let width = self.rest.size()[0] as usize;
+        let width = self.schedule.size()[0] as usize;
         for (tile, seen) in self.seen.iter_mut().enumerate() {
-            let samples = self.rest.samples(tile, first, passes);
+            let samples = self.schedule.samples(tile, first, passes);
             if samples == 0 || *seen == Seen::Several {
                 continue;
             }
@@ -47,7 +47,7 @@ impl StaticTiles {
                     layers[l].get(pixel).map_or([0.0; BANDS], |sum| sum.map(|x| x / samples as f32))
                 })
             };
-            let [columns, rows] = self.rest.tile(tile);
+            let [columns, rows] = self.schedule.tile(tile);
             let wanted = match seen {
                 Seen::One(radiance) => *radiance,
                 _ => mean(rows.start * width + columns.start),
@@ -64,9 +64,9 @@ impl StaticTiles {
     pub(crate) fn renew(&mut self, passes: u64, glints: Option<&SplitPaths>) -> Option<&TileSchedule> {
         let to_rest = passes >= WATCHED && passes.is_power_of_two();
         let is_quiet =
-            |tile: usize| self.is_quiet(tile) && glints.is_none_or(|g| !g.any(&self.rest.tile(tile)));
+            |tile: usize| self.is_quiet(tile) && glints.is_none_or(|g| !g.any(&self.schedule.tile(tile)));
         let exponents: Vec<u8> = (0..self.seen.len())
-            .map(|tile| match self.rest.exponents()[tile] {
+            .map(|tile| match self.schedule.exponents()[tile] {
                 k if TileSchedule::pending(k, passes) > 0 => k,
                 _ if to_rest && is_quiet(tile) => (passes.ilog2() - 1).min(EXPONENT_MAX) as u8,
                 0 => 0,
@@ -74,17 +74,17 @@ impl StaticTiles {
                 _ => 0,
             })
             .collect();
-        if exponents == self.rest.exponents() {
+        if exponents == self.schedule.exponents() {
             return None;
         }
-        self.rest = TileSchedule::new(self.rest.size(), exponents);
-        Some(&self.rest)
+        self.schedule = TileSchedule::new(self.schedule.size(), exponents);
+        Some(&self.schedule)
     }
 
     /// One radiance in the tile and in those around it.
     fn is_quiet(&self, tile: usize) -> bool {
         let Seen::One(radiance) = &self.seen[tile] else { return false };
-        let [across, down] = self.rest.tiles();
+        let [across, down] = self.schedule.tiles();
         let around = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
         let mut tiles = around(tile / across, down)
             .flat_map(|y| around(tile % across, across).map(move |x| y * across + x));
@@ -109,25 +109,25 @@ mod tests {
 
     /// A lamp of one radiance, but for `speck` at a pixel in some passes.
     fn seen(passes: std::ops::Range<u64>, speck: impl Fn(u64) -> Option<usize>) -> StaticTiles {
-        let mut quiet = StaticTiles::new(SIZE);
+        let mut static_tiles = StaticTiles::new(SIZE);
         for pass in passes {
             let mut layers: [Vec<Bands>; LAYERS] = Default::default();
             layers[0] = vec![[3.3; BANDS]; WIDTH * 24];
             if let Some(pixel) = speck(pass) {
                 layers[0][pixel] = [3.4; BANDS];
             }
-            quiet.watch(pass, 1, &layers);
-            quiet.renew(pass + 1, None);
+            static_tiles.watch(pass, 1, &layers);
+            static_tiles.renew(pass + 1, None);
         }
-        quiet
+        static_tiles
     }
 
     /// Half of the passes are slept through at first, at last all but one of sixteen.
     #[test]
     fn quiet_tiles_rest_more_and_more() {
         for (passes, k) in [(1, 0), (3, 0), (4, 1), (7, 1), (8, 2), (16, 3), (31, 3), (32, 4), (300, 4)] {
-            let quiet = seen(0..passes, |_| None);
-            assert_eq!(quiet.rest.exponents(), [k; 15], "{passes} passes");
+            let static_tiles = seen(0..passes, |_| None);
+            assert_eq!(static_tiles.schedule.exponents(), [k; 15], "{passes} passes");
         }
     }
 
@@ -136,8 +136,8 @@ mod tests {
     fn what_is_seen_once_keeps_the_neighbours_awake() {
         let speck = 12 * WIDTH + 20;
         for pass in 0..4 {
-            let quiet = seen(0..4, |p| (p == pass).then_some(speck));
-            assert_eq!(quiet.rest.exponents(), [1, 0, 0, 0, 1].repeat(3), "seen in pass {pass}");
+            let static_tiles = seen(0..4, |p| (p == pass).then_some(speck));
+            assert_eq!(static_tiles.schedule.exponents(), [1, 0, 0, 0, 1].repeat(3), "seen in pass {pass}");
         }
     }
 
@@ -145,13 +145,13 @@ mod tests {
     #[test]
     fn tiles_wake_at_the_end_of_a_block() {
         let speck = 12 * WIDTH + 20;
-        let at = |passes| seen(0..passes, |p| (p == 48).then_some(speck)).rest.exponents()[MIDDLE];
+        let at = |passes| seen(0..passes, |p| (p == 48).then_some(speck)).schedule.exponents()[MIDDLE];
         assert_eq!([48, 49, 63].map(at), [4, 4, 4]);
         assert_eq!([64, 65, 128, 500].map(at), [0, 0, 0, 0]);
-        let corner = seen(0..64, |p| (p == 48).then_some(speck)).rest.exponents()[0];
+        let corner = seen(0..64, |p| (p == 48).then_some(speck)).schedule.exponents()[0];
         assert_eq!(corner, 4);
         // in the first of two blocks before a power of two
-        let at = |passes| seen(0..passes, |p| (p == 32).then_some(speck)).rest.exponents()[MIDDLE];
+        let at = |passes| seen(0..passes, |p| (p == 32).then_some(speck)).schedule.exponents()[MIDDLE];
         assert_eq!([47, 48, 63, 64].map(at), [4, 0, 0, 0]);
     }
 
@@ -160,13 +160,13 @@ mod tests {
     fn sums_are_compared_by_their_means() {
         let sum = (0..16).fold(0.0f32, |s, _| s + 0.1);
         for (last, k) in [(sum, 1), (sum * 1.001, 0)] {
-            let mut quiet = StaticTiles::new([8, 8]);
+            let mut static_tiles = StaticTiles::new([8, 8]);
             for (first, passes, value) in [(0, 1, 0.1f32), (1, 1, 0.1), (2, 16, last)] {
                 let layers = std::array::from_fn(|_| vec![[value; BANDS]; 64]);
-                quiet.watch(first, passes, &layers);
+                static_tiles.watch(first, passes, &layers);
             }
-            quiet.renew(4, None);
-            assert_eq!(quiet.rest.exponents(), [k]);
+            static_tiles.renew(4, None);
+            assert_eq!(static_tiles.schedule.exponents(), [k]);
         }
     }
 }

@@ -18,7 +18,7 @@ pub struct Material {
     pub specular: Bands,
     /// Glass, water: the boundary of a transparent body.
     pub dielectric: Option<Dielectric>,
-    /// The dielectric is a pane without thickness: both of its faces lie in one place [E26].
+    /// The dielectric is a pane without thickness: both of its faces lie in one place \[E26\].
     pub thin: bool,
     /// Radiance emitted from the front, W/(m² sr) per band.
     pub emission: Bands,

@@ -22,7 +22,7 @@ fn forced(
     side: Side,
     scene: &Arc<PackedScene>,
     plan: Plan,
-    rest: &TileSchedule,
+    schedule: &TileSchedule,
     from: u64,
     passes: u64,
 ) -> Picture {
@@ -30,11 +30,11 @@ fn forced(
     let mut film = Film::new(scene.size[0], scene.size[1]);
     for pass in 0..passes {
         if pass == from {
-            assert!(backend.rest(rest), "{side:?} rests");
-            film.set_rest(rest.clone());
+            assert!(backend.set_tile_schedule(schedule), "{side:?} rests");
+            film.set_tile_schedule(schedule.clone());
         }
         let batch = backend.render(pass, 1).unwrap_or_else(|e| panic!("{e}"));
-        assert_eq!(batch.tally.pixels_rested, if pass < from { 0 } else { rest.pixels_resting(pass) });
+        assert_eq!(batch.tally.pixels_rested, if pass < from { 0 } else { schedule.pixels_resting(pass) });
         film.add(1, &batch.layers);
     }
     film.picture()
@@ -50,20 +50,21 @@ fn rates_do_not_change_the_expected_image() {
     let first = crate::chi_square::seed() * 10_000 + 5000;
     let keep_radii = |plan: &mut Plan| (plan.caustic.alpha, plan.diffuse.alpha) = (1.0, 1.0);
     // rates of every kind, side by side
-    let rest = TileSchedule::new([SIZE; 2], vec![0, 1, 2, 2, 0, 1, 1, 2, 0]);
-    let seeds = |side: Side, rest: &TileSchedule| -> Vec<Picture> {
-        let seeds = (0..SEEDS).map(|s| first + 100 * side as u32 + if rest.is_none() { 50 + s } else { s });
+    let schedule = TileSchedule::new([SIZE; 2], vec![0, 1, 2, 2, 0, 1, 1, 2, 0]);
+    let seeds = |side: Side, schedule: &TileSchedule| -> Vec<Picture> {
+        let seeds =
+            (0..SEEDS).map(|s| first + 100 * side as u32 + if schedule.is_none() { 50 + s } else { s });
         let render = |seed| {
             let mut plan = plan(&scene, EVERYTHING, seed);
             keep_radii(&mut plan);
-            forced(side, &scene, plan, rest, FROM, PASSES)
+            forced(side, &scene, plan, schedule, FROM, PASSES)
         };
         seeds.map(render).collect()
     };
     let awake = seeds(Side::Host, &TileSchedule::none([SIZE; 2]));
     let mut claims = Claims::default();
     for side in sides() {
-        claim(&mut claims, &format!("{side:?}"), &seeds(side, &rest), &awake, &Layer::ALL, &BLOCKS);
+        claim(&mut claims, &format!("{side:?}"), &seeds(side, &schedule), &awake, &Layer::ALL, &BLOCKS);
     }
     claims.hold();
 }

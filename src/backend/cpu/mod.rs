@@ -58,7 +58,7 @@ pub struct CpuBackend {
     clips: Vec<Clip>,
     area: Option<Area>,
     survey: Option<Survey>,
-    rest: TileSchedule,
+    schedule: TileSchedule,
 }
 
 /// What is known of the diffuse surfaces' area, for a group of passes.
@@ -101,14 +101,14 @@ struct Pass<'a> {
     /// Walls about each pixel's gather point; empty where no map is traced.
     clips: &'a [Clip],
     /// Who rests.
-    rest: &'a TileSchedule,
+    schedule: &'a TileSchedule,
 }
 
 impl CpuBackend {
     /// A backend for a scene and its plan, on the threads of rayon's current pool.
     pub fn new(scene: Arc<PackedScene>, plan: Plan) -> Self {
         Self {
-            rest: TileSchedule::none(scene.size),
+            schedule: TileSchedule::none(scene.size),
             scene,
             plan,
             caustic_base: Vec::new(),
@@ -202,7 +202,7 @@ impl CpuBackend {
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
             diffuse_radius,
             clips: &self.clips,
-            rest: &self.rest,
+            schedule: &self.schedule,
             interiors: self.survey.as_ref().map_or(&[][..], |s| &s.interiors[..]),
         };
         *tally += pixels::render(&pass, layers);
@@ -222,8 +222,8 @@ impl Backend for CpuBackend {
         self.plan.traces(layer)
     }
 
-    fn rest(&mut self, rest: &TileSchedule) -> bool {
-        self.rest = rest.clone();
+    fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {
+        self.schedule = schedule.clone();
         !self.plan.settings.keeps(Part::Rest)
     }
 
@@ -246,7 +246,7 @@ impl Backend for CpuBackend {
         let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
         for pass in first..first + u64::from(count) {
             self.pass(pass, &mut layers, &mut tally);
-            tally.pixels_rested += self.rest.pixels_resting(pass);
+            tally.pixels_rested += self.schedule.pixels_resting(pass);
         }
         Ok(Batch { layers, tally })
     }

@@ -45,9 +45,9 @@ pub(super) fn render(pass: &Pass, layers: &mut [Vec<Bands>; LAYERS]) -> Tally {
         .enumerate()
         .map(|(i, mut out)| {
             let mut tally = Tally::default();
-            let live = |tile: &u32| pass.rest.is_live(*tile as usize, u64::from(pass.index));
+            let live = |tile: &u32| pass.schedule.is_live(*tile as usize, u64::from(pass.index));
             for (tile, pixels) in tiles(size, i as u32).filter(|(tile, _)| live(tile)) {
-                let index = pass.rest.sequence_index(tile as usize, pass.index);
+                let index = pass.schedule.sequence_index(tile as usize, pass.index);
                 for pixel in pixels {
                     let local = pixel as usize - i * per_strip;
                     for (layer, radiance) in out.iter_mut().zip(one(pass, pixel, index, &mut tally)) {

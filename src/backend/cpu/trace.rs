@@ -10,8 +10,8 @@ use crate::backend::{Cause, Tally};
 use crate::film::paths::{DEAD, Event, LightPaths};
 use crate::optics::lights::emit::{Start, aimed, by_law};
 use crate::optics::ray::{Ray, SurfaceInteraction};
-use crate::optics::shading::bsdf::{DielectricInterface, eval_d, pdf_d, sample_d, specular_direction};
-use crate::optics::shading::roulette::EventProbabilities;
+use crate::optics::shading::bsdf::{eval_d, pdf_d};
+use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
 use crate::packed::layout::{ADJOINT_MAX, UNSEEN_STORED};
 use crate::plan::Plan;
@@ -109,8 +109,7 @@ impl Tracer<'_> {
                 }
             }
             let [u_way, u0, u1, u_lobe] = random4(self.plan.settings.seed, self.pass, i, dimension + event);
-            let interface = s.flags().is_dielectric().then(|| DielectricInterface::at(&s));
-            let probabilities = EventProbabilities::new(&s, interface.as_ref(), &flux, event);
+            let probabilities = EventProbabilities::new(&s, &flux, event);
             if !CAUSTIC {
                 let lost = probabilities
                     .ways
@@ -119,17 +118,15 @@ impl Tracer<'_> {
                 add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
             }
             let Some(way) = probabilities.choose(u_way) else { return };
-            if CAUSTIC && way == 0 {
+            if CAUSTIC && way == SCATTERED {
                 return;
             }
-            let (reflectance, probability) = probabilities.ways[way];
-            let kept = scale(&mul(&flux, &reflectance), 1.0 / probability);
-            let leaving = match way {
-                0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]),
-                _ => specular_direction(&s, interface.as_ref(), way == 2, [u0, u1]),
-            };
+            let kept = probabilities.carried(way, &flux);
+            let leaving = probabilities.direction(&s, way, u_lobe, [u0, u1]);
             flux = match leaving {
-                Some(w) if way == 0 => self.scatter(&s, w, &scale(&flux, adjoint_in / probability)),
+                Some(w) if way == SCATTERED => {
+                    self.scatter(&s, w, &scale(&flux, adjoint_in / probabilities.ways[way].1))
+                }
                 Some(w) if s.smooth => scale(&kept, specular_adjoint(&s, w)),
                 Some(_) => kept,
                 None => [0.0; BANDS],
@@ -140,7 +137,7 @@ impl Tracer<'_> {
                 add_flux(&mut self.tally.absorbed, &flux, -1.0);
             }
             let Some(w) = leaving else { return };
-            if way == 0 {
+            if way == SCATTERED {
                 diffuse += 1;
                 state = paths.step(state, Event::D);
             } else {

@@ -71,8 +71,8 @@ impl<'a> Harness<'a> {
     }
 
     /// List the tiles of an image, those that rest least first.
-    pub fn rest(&mut self, rest: &TileSchedule) {
-        let (_, words) = Tiles::new(rest.clone());
+    pub fn set_tile_schedule(&mut self, schedule: &TileSchedule) {
+        let (_, words) = Tiles::new(schedule.clone());
         self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
     }
 

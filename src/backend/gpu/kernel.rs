@@ -79,7 +79,7 @@ const GROUPS_MAX: u32 = 65_535;
 
 impl Kernel {
     /// Compile `entry` of a shader file with values for its overrides (those it does not declare are left out). The scene
-    /// is read from uniform buffers where one of them is [`SMALL_SCENE`], not 0.
+    /// is read from uniform buffers where one of them is `SMALL_SCENE`, not 0.
     ///
     /// # Errors
     /// [`Error::Device`] where the shader does not compile.

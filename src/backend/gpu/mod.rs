@@ -348,8 +348,8 @@ impl Backend for GpuBackend {
         self.plan.traces(layer)
     }
 
-    fn rest(&mut self, rest: &TileSchedule) -> bool {
-        let (tiles, words) = Tiles::new(rest.clone());
+    fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {
+        let (tiles, words) = Tiles::new(schedule.clone());
         self.tiles = tiles;
         self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
         self.strips.count() == 1 && !self.plan.settings.keeps(Part::Rest)
@@ -366,7 +366,7 @@ impl Backend for GpuBackend {
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let mut tries = 0;
         // what lies above and below is at rest
-        let rows = self.tiles.rest().rows(first, u64::from(count));
+        let rows = self.tiles.tile_schedule().rows(first, u64::from(count));
         let (mut layers, words, tallies) = loop {
             tries += 1;
             if tries > BATCH_TRIES {
@@ -403,7 +403,7 @@ impl Backend for GpuBackend {
         t.rays = status::rays(&words);
         t.shadow_rays_saved = status::shadow_rays_saved(&words);
         t.pixels_rested =
-            (first..first + u64::from(count)).map(|p| self.tiles.rest().pixels_resting(p)).sum();
+            (first..first + u64::from(count)).map(|p| self.tiles.tile_schedule().pixels_resting(p)).sum();
         t.truncated = u64::from(words[status::TRUNCATED as usize]);
         let emitted = |s: Option<MapLayout>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
         t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);

@@ -10,27 +10,27 @@ pub(super) const BINDING_BYTES: u32 = TILES_VECTORS * 16;
 
 /// The list, and how many of it are live.
 pub(super) struct Tiles {
-    rest: TileSchedule,
+    schedule: TileSchedule,
     /// Tiles of exponent k or less, for each k.
     up_to: [u32; EXPONENT_MAX as usize + 1],
 }
 
 impl Tiles {
     /// The list of who rests; its words, to be written into the buffer.
-    pub(super) fn new(rest: TileSchedule) -> (Self, Vec<u32>) {
-        let mut words = Vec::with_capacity(rest.exponents().len());
+    pub(super) fn new(schedule: TileSchedule) -> (Self, Vec<u32>) {
+        let mut words = Vec::with_capacity(schedule.exponents().len());
         let mut up_to = [0; EXPONENT_MAX as usize + 1];
         for (k, end) in up_to.iter_mut().enumerate() {
-            let alike = (0u32..).zip(rest.exponents()).filter(|(_, e)| usize::from(**e) == k);
+            let alike = (0u32..).zip(schedule.exponents()).filter(|(_, e)| usize::from(**e) == k);
             words.extend(alike.map(|(tile, _)| tile | (k as u32) << TILE_BITS));
             *end = words.len() as u32;
         }
-        (Self { rest, up_to }, words)
+        (Self { schedule, up_to }, words)
     }
 
     /// Who rests.
-    pub(super) fn rest(&self) -> &TileSchedule {
-        &self.rest
+    pub(super) fn tile_schedule(&self) -> &TileSchedule {
+        &self.schedule
     }
 
     /// Tiles that take part in a pass: the first so many.
@@ -53,7 +53,7 @@ mod tests {
             let head = words[..tiles.live(pass) as usize].iter();
             let mut live: Vec<usize> = head.map(|w| (w & ((1 << TILE_BITS) - 1)) as usize).collect();
             live.sort_unstable();
-            let wanted: Vec<usize> = (0..9).filter(|t| tiles.rest().is_live(*t, pass)).collect();
+            let wanted: Vec<usize> = (0..9).filter(|t| tiles.tile_schedule().is_live(*t, pass)).collect();
             assert_eq!(live, wanted, "pass {pass}");
         }
         assert!(words.iter().all(|w| w >> TILE_BITS == u32::from(exponents[(w & 0xff) as usize])));

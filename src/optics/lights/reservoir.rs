@@ -1,4 +1,4 @@
-//! Reservoir: one of many, by weight, in one look at each [E24]. Twin: shaders/lights/reservoir.wgsl.
+//! Reservoir: one of many, by weight, in one look at each \[E24\]. Twin: shaders/lights/reservoir.wgsl.
 
 /// What choices so far have left.
 #[derive(Debug, Clone, Copy)]

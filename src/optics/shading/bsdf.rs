@@ -1,6 +1,6 @@
 //! What happens at a surface: Fresnel, the D lobes (Lambert and glossy Phong), the S lobes. Twin: shaders/shading/bsdf.wgsl.
 //!
-//! f_r(wi, wo) = diffuse/π + glossy (e + 2)/2π cosᵉα, α between wo and the mirror direction of wi [E6] (Lafortune &
+//! f_r(wi, wo) = diffuse/π + glossy (e + 2)/2π cosᵉα, α between wo and the mirror direction of wi \[E6\] (Lafortune &
 //! Willems 1994). Symmetric in wi and wo, so eye paths and jotons sample the same functions.
 
 use crate::optics::ray::SurfaceInteraction;
@@ -10,7 +10,7 @@ use crate::spectrum::{BLACK, Bands, add, max, scale};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Unpolarised reflectance of a dielectric interface [E8]; `eta` = n_t / n_i. 1 at total reflection.
+/// Unpolarised reflectance of a dielectric interface \[E8\]; `eta` = n_t / n_i. 1 at total reflection.
 pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
     let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
     if sin2_t >= 1.0 {
@@ -22,7 +22,7 @@ pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Reflectance of a thin pane whose faces reflect `face` each: what goes to and fro between them adds up as flux [E26].
+/// Reflectance of a thin pane whose faces reflect `face` each: what goes to and fro between them adds up as flux \[E26\].
 pub fn pane_reflectance(face: f32) -> f32 {
     2.0 * face / (1.0 + face)
 }
@@ -51,7 +51,7 @@ fn lobe(exponent: f32, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
     if below >= 1.0 { 0.0 } else { (exponent * (-below).ln_1p()).exp() }
 }
 
-/// f_r of a lobe that is followed, 1/sr, for lights without area: following it never meets them [E6].
+/// f_r of a lobe that is followed, 1/sr, for lights without area: following it never meets them \[E6\].
 pub fn eval_narrow(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
     if !m.has_narrow_lobe() {
         return BLACK;
@@ -100,21 +100,6 @@ pub(crate) fn sample_mirror(s: &SurfaceInteraction, u: [f32; 2]) -> Option<Vec3>
     let perfect = above(mirror(s.back, s.specular_normal())).unwrap_or_else(|| mirror(s.back, s.ng));
     let exponent = s.material.specular_exponent;
     if exponent <= 0.0 { Some(perfect) } else { above(to_world(phong_lobe(u, exponent), perfect)) }
-}
-
-/// The direction of a specular event: off a dielectric interface or, where `transmits`, through it; off a mirror where there
-/// is none. None below the surface.
-pub(crate) fn specular_direction(
-    s: &SurfaceInteraction,
-    interface: Option<&DielectricInterface>,
-    transmits: bool,
-    u: [f32; 2],
-) -> Option<Vec3> {
-    match interface {
-        Some(b) if transmits => Some(b.refracted),
-        Some(b) => Some(b.reflected),
-        None => sample_mirror(s, u),
-    }
 }
 
 /// Both ways on from a dielectric interface.

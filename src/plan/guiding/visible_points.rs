@@ -1,12 +1,11 @@
 //! VisiblePoints: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
 
 use crate::optics::ray::{Ray, SurfaceInteraction, lift};
-use crate::optics::shading::bsdf::{DielectricInterface, sample_d, specular_direction};
-use crate::optics::shading::roulette::EventProbabilities;
+use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::{CameraRay, PackedScene, VisibleCells};
 use crate::sampling::rng::purpose::{DIMENSION_SEEN, STREAM_SEEN};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
-use crate::spectrum::{BANDS, Bands, mul, scale};
+use crate::spectrum::{BANDS, Bands};
 use glam::Vec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -145,13 +144,8 @@ pub(in crate::plan) fn step(
     event: u32,
     [u_way, u0, u1, u_lobe]: [f32; 4],
 ) -> Option<(bool, (Ray, Bands))> {
-    let interface = s.flags().is_dielectric().then(|| DielectricInterface::at(s));
-    let probabilities = EventProbabilities::new(s, interface.as_ref(), flux, event);
+    let probabilities = EventProbabilities::new(s, flux, event);
     let way = probabilities.choose(u_way)?;
-    let leaving = match way {
-        0 => sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1])?,
-        _ => specular_direction(s, interface.as_ref(), way == 2, [u0, u1])?,
-    };
-    let (reflectance, probability) = probabilities.ways[way];
-    Some((way == 0, (s.leave(leaving), scale(&mul(flux, &reflectance), 1.0 / probability))))
+    let leaving = probabilities.direction(s, way, u_lobe, [u0, u1])?;
+    Some((way == SCATTERED, (s.leave(leaving), probabilities.carried(way, flux))))
 }
