@@ -1,4 +1,4 @@
-// VisibleCells: the cells of space near which the camera looks [E23]. Twin: src/packed/visible_cells.rs.
+// Visible cells: the cells of space near which the camera looks [E23]. Twin: src/packed/visible_cells.rs.
 // reads  visible_cells, map_info
 
 @group(1) @binding(16) var<uniform> visible_cells: array<vec4<u32>, VISIBLE_CELL_VECTORS>;

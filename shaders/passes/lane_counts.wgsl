@@ -1,4 +1,4 @@
-// PathState counts: how many jotons each lane has stored, as input of the scan that makes the lists dense.
+// Lane counts: how many jotons each lane has stored, as input of the scan that makes the lists dense.
 // reads  map_info, lanes      writes  lane_starts
 // import: dispatch/index.wgsl
 

@@ -116,7 +116,7 @@ pub struct Batch {
 }
 
 /// Counts and energies, summed over passes.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tally {
     /// Rays traced, of all kinds.
     pub rays: u64,
@@ -173,8 +173,8 @@ impl Cause {
     }
 }
 
-/// How often a value was not finite, by cause. As JSON an object: `total`, then each cause by its name.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// How often a value was not finite, by cause.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct NonFinite([u64; CAUSES]);
 
 impl NonFinite {
@@ -192,18 +192,20 @@ impl NonFinite {
     pub fn total(&self) -> u64 {
         self.0.iter().sum()
     }
+
+    /// As an object: `total`, then each cause by its name.
+    ///
+    /// # Errors
+    /// What the serializer reports.
+    pub fn by_cause<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let causes = Cause::ALL.map(|cause| (cause.name(), self.of(cause)));
+        serializer.collect_map([("total", self.total())].into_iter().chain(causes))
+    }
 }
 
 impl std::ops::AddAssign for NonFinite {
     fn add_assign(&mut self, o: Self) {
         self.0.iter_mut().zip(o.0).for_each(|(sum, more)| *sum += more);
-    }
-}
-
-impl serde::Serialize for NonFinite {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        let causes = Cause::ALL.map(|cause| (cause.name(), self.of(cause)));
-        serializer.collect_map([("total", self.total())].into_iter().chain(causes))
     }
 }
 

@@ -1,4 +1,4 @@
-//! SplitPaths: the pixels whose emission (E S* L) camera trees look for besides the eye path, and how many of them a pass
+//! Split paths: the pixels whose emission (E S* L) camera trees look for besides the eye path, and how many of them a pass
 //! follows \[E25\]. A pilot marks them; what the passes see makes trees more where a pixel's emission is noisy.
 
 use crate::film::neighbours::around;
@@ -49,7 +49,7 @@ pub struct Look {
 }
 
 /// How many trees each pixel has in a pass.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct SplitPaths {
     size: [u32; 2],
     /// 0: none, [`GLINT_TURNS`]: one in `turns` passes, from [`FEWEST`] on [`GLINT_TREES`], doubled with each level.
@@ -237,7 +237,7 @@ fn worth(variance: f32) -> u8 {
 }
 
 /// Watches how emission varies from pass to pass.
-#[derive(Debug)]
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Watch {
     batches: u64,
     /// Sums over the batches of trees times squared radiance, the latter summed over bands.

@@ -107,7 +107,7 @@ pub struct Picture {
 
 /// Sums over passes, per layer and pixel, in f64: 1e5 passes do not drift. A sample of a tile that rests counts for the
 /// passes of its block \[E21\].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub struct Film {
     width: u32,
     height: u32,

@@ -1,4 +1,4 @@
-//! TileSchedule: which tiles of the image take part in a pass, and how many passes they stand for when they do \[E21\].
+//! Tile schedule: which tiles of the image take part in a pass, and how many passes they stand for when they do \[E21\].
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ pub const EXPONENT_MAX: u32 = 4;
 
 /// How often each tile takes part: in the passes that are multiples of 2^k, each of which stands for the 2^k passes that
 /// it begins. Set between batches, from what earlier passes saw; k grows at powers of two of passes only.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct TileSchedule {
     size: [u32; 2],
     /// k of each tile, row by row.

@@ -47,6 +47,7 @@ pub struct Report {
     /// … and what bias: the blur of the radii.
     pub error_bias: Option<f64>,
     /// Contributions that were not finite and were left out, by cause.
+    #[serde(serialize_with = "NonFinite::by_cause")]
     pub non_finite: NonFinite,
     /// Paths cut at the hard limit of their length.
     pub truncated: u64,

@@ -1,4 +1,4 @@
-//! VisibleCells: the cells of space near which the camera looks, as bits that both backends read.
+//! Visible cells: the cells of space near which the camera looks, as bits that both backends read.
 
 use glam::{IVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! ErrorEstimator: the passes of a render in two halves, and what these tell of its error without a reference [E16, E18].
+//! Error estimate: the passes of a render in two halves, and what these tell of its error without a reference [E16, E18].
 //!
 //! Noise shows in the difference of the halves. Blur shows in how the estimates change with their radius from pass to
 //! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
@@ -24,7 +24,7 @@ const BIAS_SAFETY: f64 = 4.0;
 const TRUSTING_PASSES: f64 = 8.0;
 
 /// The pixels that tell the error: all, or a lattice of a large image.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
 struct Lattice {
     /// Pixels of the image across.
     width: usize,
@@ -68,7 +68,7 @@ impl Lattice {
 }
 
 /// The passes of a render, and parts of them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub(crate) struct ErrorEstimator {
     /// All passes.
     film: Film,
@@ -84,7 +84,7 @@ pub(crate) struct ErrorEstimator {
 }
 
 /// Relative errors, root mean square over pixels and bands.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ErrorEstimate {
     /// A bound on all of it: √(2 noise² + 4 bias²), of the bias no more than there is noise: both fall alike.
     pub total: f64,
@@ -95,7 +95,7 @@ pub struct ErrorEstimate {
 }
 
 /// Sums over the passes of one half for the line through the radiance of the maps against their blur.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 struct Line {
     passes: f64,
     /// Sums of the radiance of the maps, and of it times the blur.
@@ -404,7 +404,7 @@ mod tests {
         assert!(e.total > truth && e.total < 3.0 * truth, "{e:?}, truth {truth}");
     }
 
-    /// ErrorEstimator are equally many at powers of two, and never more than twice as many as the other.
+    /// Halves are equally many at powers of two, and never more than twice as many as the other.
     #[test]
     fn halves_are_halves() {
         let mut counts = [0u64; 2];

@@ -47,7 +47,7 @@ pub enum Reason {
 }
 
 /// A device that failed.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
     /// Which it was.
     pub device: String,

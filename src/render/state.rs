@@ -15,6 +15,7 @@ use std::time::Instant;
 const ERROR_PASSES: u64 = 4;
 
 /// What a render has found so far: all that it takes to go on.
+#[derive(serde::Serialize, serde::Deserialize)]
 pub struct RenderState {
     size: [u32; 2],
     sums: ErrorEstimator,
@@ -130,8 +131,9 @@ impl RenderState {
             // pixels that rest get their samples, and more that nobody asked for, until they wake
             self.static_tiles = None;
         }
-        if let (Some(own), Some(before)) = (backend.split_paths(), &self.glints) {
-            let joined = own.joined(before);
+        if let Some(before) = &self.glints {
+            // a backend that has not looked yet need not
+            let joined = backend.split_paths().map_or_else(|| before.clone(), |own| own.joined(before));
             backend.set_split_paths(joined)?;
         }
         Ok(())
@@ -265,7 +267,7 @@ fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> f64 {
 }
 
 /// Spread between batches of emitted − absorbed − escaped.
-#[derive(Default)]
+#[derive(Default, serde::Serialize, serde::Deserialize)]
 struct Imbalance {
     batches: Vec<(f64, f64)>,
     emitted: f64,

@@ -1,4 +1,4 @@
-//! StaticTiles: which tiles have seen one and the same radiance in every pixel of every pass, as their neighbours have, and
+//! Static tiles: which tiles have seen one and the same radiance in every pixel of every pass, as their neighbours have, and
 //! when these rest [E21].
 
 use crate::estimators::split_paths::SplitPaths;
@@ -12,7 +12,7 @@ const WATCHED: u64 = 4;
 const ROUNDING: f32 = 1e-6;
 
 /// What a tile has seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 enum Seen {
     Nothing,
     /// This radiance alone, by layer.
@@ -21,7 +21,7 @@ enum Seen {
 }
 
 /// Watches the passes, and says who rests.
-#[derive(Debug)]
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct StaticTiles {
     seen: Vec<Seen>,
     schedule: TileSchedule,

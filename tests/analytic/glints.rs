@@ -1,4 +1,4 @@
-//! SplitPaths: a lamp whose image is far smaller than a pixel [E25].
+//! Glints: a lamp whose image is far smaller than a pixel [E25].
 
 use crate::build::{Build, Look, glowing, mirror, v};
 use joton::packed::PackedScene;

@@ -18,7 +18,7 @@ const RADIANCE: f32 = 3.0;
 const MIRROR: f32 = 0.9;
 /// Distance of the camera to the plane z = 0, which it looks at from +z.
 const DISTANCE: f64 = 3.0;
-/// PassGraph of a tree that are too few for it.
+/// Steps of a tree that are too few for it.
 const STEPS: u32 = 1000;
 /// Passes of which one has a tree in pixels that have them in turn.
 const TURNS: u32 = 2;

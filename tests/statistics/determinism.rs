@@ -5,6 +5,7 @@ use crate::renders::{EVERYTHING, Side, file, open, plan};
 use joton::backend::Batch;
 use joton::film::Layer;
 use joton::packed::PackedScene;
+use joton::render::{RenderState, Rendered, Stop};
 use std::sync::Arc;
 
 /// Passes beyond the first group of area points (16 passes).
@@ -103,5 +104,33 @@ fn threads_do_not_change_a_bit() {
             assert!(bits(&one) == bits(&more), "{side:?}: {threads} threads");
             assert_eq!(one.tally, more.tally, "{side:?}: {threads} threads");
         }
+    }
+}
+
+/// All that a render needs to go on is in its state: written down after 8 passes, read back and continued on a device that is
+/// opened anew, it has the bits of one that was never interrupted.
+#[test]
+fn a_state_that_is_written_down_goes_on_bit_for_bit() {
+    let scene = scene();
+    let until = |passes| Stop { passes: Some(passes), ..Stop::default() };
+    for side in sides() {
+        let go_on = |state: &mut RenderState, passes| {
+            let mut backend = open(side, &scene, plan(&scene, EVERYTHING, 3));
+            state.go_on(backend.as_mut(), until(passes), |_| true).unwrap_or_else(|e| panic!("{side:?}: {e}"))
+        };
+        let mut whole = RenderState::new(scene.size);
+        let mut first = RenderState::new(scene.size);
+        go_on(&mut whole, PASSES);
+        go_on(&mut first, 8);
+        let written = postcard::to_stdvec(&first).expect("a state can be written");
+        let mut second: RenderState = postcard::from_bytes(&written).expect("and read");
+        let reason = go_on(&mut second, PASSES);
+        let (whole, second) = (whole.finish(reason), second.finish(reason));
+        assert_eq!((second.passes, second.tally), (PASSES, whole.tally), "{side:?}");
+        let bits = |rendered: &Rendered| -> Vec<u32> {
+            rendered.picture.whole.pixels.iter().flatten().map(|x| x.to_bits()).collect()
+        };
+        assert!(bits(&second) == bits(&whole), "{side:?}");
+        assert_eq!(second.error_estimate, whole.error_estimate, "{side:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! SplitPaths: trees look where lamps are seen through glass. The mean stays, the noise goes [E25].
+//! Glints: trees look where lamps are seen through glass. The mean stays, the noise goes [E25].
 
 use crate::renders::{EVERYTHING, Side, file, open, plan};
 use joton::estimators::split_paths::{Light, Look, SplitPaths};

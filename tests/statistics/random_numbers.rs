@@ -133,10 +133,10 @@ fn block() -> impl Iterator<Item = Address> {
 }
 
 /// The way to an address's neighbour.
-type BoundKernel = fn(Address) -> Address;
+type Step = fn(Address) -> Address;
 
 /// Neighbours of an address.
-const NEIGHBOURS: [(&str, BoundKernel); 8] = [
+const NEIGHBOURS: [(&str, Step); 8] = [
     ("itself", |a| a),
     ("next pass", |[s, p, x]| [s, p + 1, x]),
     ("next path", |[s, p, x]| [s, p, x + 1]),
@@ -167,7 +167,7 @@ fn cell(u: f32) -> u8 {
 const JOTONS: u32 = 1 << 14;
 
 /// Columns of every stream and of the first events of every purpose at an address's neighbour.
-fn columns(a: &Addresses, events: u32, at: BoundKernel) -> Vec<Column> {
+fn columns(a: &Addresses, events: u32, at: Step) -> Vec<Column> {
     let mut all = Vec::new();
     for &first in &a.dimensions {
         for dimension in first..first + events {

@@ -1,4 +1,4 @@
-//! TileSchedule: tiles that take part in some of the passes only. The expected image stays; what rests wakes; nothing depends on
+//! Rest: tiles that take part in some of the passes only. The expected image stays; what rests wakes; nothing depends on
 //! the threads.
 
 use crate::chi_square::Claims;

@@ -1,4 +1,4 @@
-//! VisibleCells [E23]: whatever cells are marked, the image is the same; and few jotons are stored out of view.
+//! Visible cells [E23]: whatever cells are marked, the image is the same; and few jotons are stored out of view.
 
 use crate::chi_square::Claims;
 use crate::renders::{EVERYTHING, Side, file, layer, pictures, plan, run};
@@ -7,7 +7,7 @@ use joton::film::stats::{Estimate, test_equal};
 use joton::packed::{PackedScene, VisibleCells};
 use std::sync::Arc;
 
-/// VisibleCells on one half of the box only: jotons of the other half are stored one in eight, and count as eight.
+/// Cells on one half of the box only: jotons of the other half are stored one in eight, and count as eight.
 #[test]
 fn jotons_out_of_marks_count_for_all() {
     const SIZE: u32 = 24;

@@ -83,7 +83,7 @@ fn no_area(sheet: &mut Sheet) {
     }
 }
 
-/// PassGraph of a random number: 24 bits.
+/// Steps of a random number: 24 bits.
 const STEPS: f64 = 16_777_216.0;
 
 /// Flux that a scene's jotons carry in the mean over that of its lights: Σ P Φ/pick over Σ Φ, P the share of the 2^24

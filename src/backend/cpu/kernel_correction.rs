@@ -1,4 +1,4 @@
-//! DielectricInterface: the weights that make a radiance estimate right where its disc loses area at edges and corners.
+//! Kernel correction: the weights that make a radiance estimate right where its disc loses area at edges and corners.
 //!
 //! Area points stand for the surface. From their moments in the disc, weights c0 + c1 x + c2 y with
 //! Σ a (c0 + c1 x + c2 y)(1, x, y) = (1, 0, 0): a linear irradiance is then estimated without bias [E15]

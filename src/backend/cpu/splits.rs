@@ -22,12 +22,12 @@ impl Splits {
         Self { share: 1.0, chance: 1.0 }
     }
 
-    /// Whether a tree takes both ways at a interface; `carried` is the flux of what arrives.
+    /// Whether a tree takes both ways at an interface; `carried` is the flux of what arrives.
     pub(super) fn takes_both(&self, ways: &[Branch; 2], carried: f32) -> bool {
         ways[0].kept.min(ways[1].kept) / carried * self.share >= SPLIT_MIN
     }
 
-    /// After the way `taken` of these at a interface.
+    /// After the way `taken` of these at an interface.
     pub(super) fn after(&self, ways: &[Branch; 2], taken: usize, carried: f32) -> Self {
         let kept = ways[0].kept + ways[1].kept;
         if self.takes_both(ways, carried) {

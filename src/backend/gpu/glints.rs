@@ -1,4 +1,4 @@
-//! SplitPaths on the device: the lists of pixels that have trees, strip by strip, and the dispatches that grow them.
+//! Split paths on the device: the lists of pixels that have trees, strip by strip, and the dispatches that grow them.
 
 use super::GpuBackend;
 use super::pipelines::{Glint, PassGraph};

@@ -81,7 +81,7 @@ pub(super) struct Map {
     reorder: BoundKernel,
 }
 
-/// PassGraph of one digit of the sort.
+/// Steps of one digit of the sort.
 struct Digit {
     count: BoundKernel,
     scan: [BoundKernel; 3],

@@ -1,4 +1,4 @@
-//! VisiblePoints: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
+//! Visible points: the places on diffuse surfaces that the camera sees, directly or through mirrors and glass, as cells of space.
 
 use crate::optics::ray::{Ray, SurfaceInteraction, lift};
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
