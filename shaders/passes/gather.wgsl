@@ -112,7 +112,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     if CAUSTIC {
-        // what walls take of the disc carries no light of this side
+        // the part of the disc behind walls holds no light of this side
         let kept = kept_share(first_wall, point.position, r) * kept_share(second_wall, point.position, r);
         sum /= PI * r * r * max(kept, CLIP_KEPT_MIN);
     }

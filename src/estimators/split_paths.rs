@@ -65,7 +65,7 @@ const FEWEST: u8 = NOW_AND_THEN + 1;
 
 impl SplitPaths {
     /// What a pilot's looks mark: pixels that see light in some of their trees, or see something else than a neighbour
-    /// does. Pixels inside a lamp, and far from any, are not; where there may be light behind glass, one looks now and then.
+    /// does. Pixels inside a lamp, and far from any, are not; where there may be light behind glass, trees look in some passes only.
     /// In and about `lamp_images`, pixels where the plan has found images of lamps from the lamps' side, there are as many
     /// trees as ever: camera rays meet what is small too seldom to tell.
     pub fn mark(size: [u32; 2], looks: &[Look], lamp_images: &[u32]) -> Self {
@@ -123,7 +123,7 @@ impl SplitPaths {
         }
     }
 
-    /// Passes of which one has a tree, in pixels that have one now and then.
+    /// Passes of which one has a tree, in pixels that have one in some passes only.
     pub fn turns(&self) -> u32 {
         self.turns
     }
@@ -214,7 +214,7 @@ impl List {
     }
 }
 
-/// Trees of a pass at a level; those that grow now and then count for one.
+/// Trees of a pass at a level; those that grow in some passes only count for one.
 fn trees_of(level: u8) -> u32 {
     if level < FEWEST { u32::from(level) } else { GLINT_TREES << (level - FEWEST) }
 }

@@ -178,7 +178,7 @@ gpu_struct! {
 /// Pixels across and down a workgroup's tile.
 pub use crate::film::tile_schedule::TILE;
 
-/// [`GatherPoint::glint_level`] of pixels that have a tree now and then; 0 where they have none.
+/// [`GatherPoint::glint_level`] of pixels that have a tree in some passes only; 0 where they have none.
 pub const GLINT_TURNS: u32 = 1;
 /// Trees a pass of a pixel of the level above that; each further one has twice as many.
 pub const GLINT_TREES: u32 = 2;

@@ -31,7 +31,7 @@ pub struct Buffer {
 
 /// Films of the layers, in the order of [`crate::film::Layer::ALL`].
 pub const FILMS: [&str; LAYERS] = ["film_emission", "film_direct", "film_caustic", "film_diffuse"];
-/// What the pilot finds out of each pixel and passes need: where strips take turns, it is kept on the host.
+/// What the pilot finds out of each pixel and passes need: where there are several strips, it is kept on the host.
 #[derive(Debug, Clone, Copy)]
 pub struct Known {
     /// The buffer.
@@ -131,7 +131,7 @@ impl<'a> BufferPlan<'a> {
         all
     }
 
-    /// Whether both sorted maps are kept: where strips take turns, each looks at both.
+    /// Whether both sorted maps are kept: where there are several strips, each gathers from both.
     pub fn maps_apart(&self) -> bool {
         self.strips.count() > 1 && self.shapes.each().count() > 1
     }
@@ -368,7 +368,7 @@ pub fn is_small(scene: &PackedScene, machine: &DeviceLimits) -> bool {
         && fits(scene.emitters.len(), SMALL_EMITTERS)
 }
 
-/// What the maps need; they take turns on all but the tallies.
+/// What the maps need. Both use the same buffers, one after the other; each has tallies of its own.
 pub fn map_buffers(shapes: &[MapLayout], machine: &DeviceLimits) -> Vec<Buffer> {
     let most = |f: &dyn Fn(&MapLayout) -> u64| shapes.iter().map(f).max().unwrap_or(1).max(1);
     let lanes = most(&|s| u64::from(s.lanes));

@@ -95,7 +95,7 @@ fn one(pass: &Pass, pixel: u32, index: u32, tally: &mut Tally) -> [Bands; LAYERS
         let radius = base * pass.caustic_shrink.sqrt();
         let walls = Walls::about(pass.clips, scene.size, pixel, &g, radius);
         let w = Window::new(&g, radius * radius).before(walls.from(g.position));
-        // what walls take of the disc carries no light of this side
+        // the part of the disc behind walls holds no light of this side
         let kept = walls.kept_share(g.position).max(CLIP_KEPT_MIN);
         out[Layer::Caustic as usize] =
             radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared * kept), accepted);

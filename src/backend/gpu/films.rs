@@ -8,7 +8,7 @@ use crate::spectrum::{BANDS, Bands};
 use std::ops::Range;
 
 impl GpuBackend {
-    /// The films that are traced and their bytes of these rows; none where there are no rows. Strips take turns on theirs.
+    /// The films that are traced and their bytes of these rows; none where there are no rows. Each strip uses them after the one before.
     pub(super) fn film_parts(&self, rows: &Range<usize>) -> Vec<(&wgpu::Buffer, Range<u64>)> {
         if rows.is_empty() || self.strips.count() > 1 {
             return Vec::new();

@@ -26,7 +26,7 @@ impl SplitPathLists {
         self.whose.as_ref()
     }
 
-    /// Passes of which one has a tree, in pixels that have one now and then.
+    /// Passes of which one has a tree, in pixels that have one in some passes only.
     pub(super) fn turns(&self) -> u32 {
         self.whose.as_ref().map_or(1, SplitPaths::turns)
     }

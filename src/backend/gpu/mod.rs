@@ -65,7 +65,7 @@ pub struct GpuBackend {
     shapes: MapLayouts,
     strips: Strips,
     kept: Vec<Kept>,
-    /// Sums of a batch so far, where strips take turns; none before its first strip.
+    /// Sums of a batch so far, where the image is in strips; none before the first strip.
     strip_films: Option<[Vec<Bands>; LAYERS]>,
     area: Option<AreaState>,
     tiles: Tiles,

@@ -1,4 +1,4 @@
-//! Strips: images that do not fit the device as a whole are rendered in strips of rows that take turns on it. The maps of a
+//! Strips: images that do not fit the device as a whole are rendered in strips of rows, one after the other. The maps of a
 //! pass are traced and sorted once, then each strip gathers from them. What the pilot found out of a strip's pixels, the trees
 //! that look for emission there, and its films wait on the host. Strips leave no trace in the image, not in a bit.
 
@@ -94,7 +94,7 @@ impl GpuBackend {
                 self.context.queue.write_buffer(&self.buffers[known.name], 0, &runs.bytes());
             }
             self.send_films(strip);
-            // where its list is longer than the buffer, its parts take turns
+            // where its list is longer than the buffer, its parts are used one after the other
             let parts = self.glints.parts(i, &self.buffers["glints"]);
             for (k, part) in parts.iter().enumerate() {
                 self.send_glints(i, part);
