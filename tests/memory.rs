@@ -68,9 +68,10 @@ fn what_the_plan_tells_is_what_the_device_does() {
         let mut ran: BTreeMap<String, u64> =
             backend.kernel_seconds().into_iter().map(|(n, _, d)| (n, d)).collect();
         assert!(!ran.is_empty(), "the device has timestamps");
-        // nobody knows before a device looks whether there are trees in every pass, and in this one in turn
+        // nobody knows before a device looks whether there are trees in every pass, up to twice as many as pixels in parts of as
+        // many as these, and in this one in turn
         let glints = ["glint", "glint_sum"].map(|kernel| (told.remove(kernel), ran.remove(kernel)));
-        assert!(glints.iter().all(|(told, ran)| *told == Some(1) && ran.is_none_or(|n| n <= 2)), "{name}");
+        assert!(glints.iter().all(|(told, ran)| *told == Some(1) && ran.is_none_or(|n| n <= 3)), "{name}");
         assert_eq!(glints[0], glints[1], "{name}: all trees are summed");
         assert_eq!(told, ran, "{name}");
     }

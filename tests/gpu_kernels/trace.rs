@@ -9,6 +9,7 @@ use joton::backend::gpu::{Context, Kernel, link_source};
 use joton::packed::PackedScene;
 use joton::packed::layout::{Joton, LaneTally, PathState, STEP_BUDGET};
 use joton::plan::{Plan, Settings};
+use joton::sampling::rng::seed_at;
 use joton::scene::Material;
 
 const DONE: u32 = 256;
@@ -58,6 +59,7 @@ fn trace(context: &Context, scene: &PackedScene, caustic: bool, emitted: u32, la
     pass.emitters = scene.emitters.len() as u32;
     pass.targets = scene.targets.len() as u32;
     let mut map = map_info();
+    (map.seed, map.seed_wrapped) = (seed_at(pass.seed, 0), seed_at(pass.seed, 1));
     map.emitted = emitted;
     map.lanes = lanes;
     // albedo 0.9 stores nine times on average, and now and then far more
