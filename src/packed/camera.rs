@@ -64,4 +64,14 @@ impl PackedCamera {
             travelled: self.ahead * length,
         }
     }
+
+    /// The image coordinates of a place, whose ray passes through it; none where that lies behind the eye or outside of the image.
+    pub(crate) fn image_of(&self, place: Vec3) -> Option<[f32; 2]> {
+        let from_start = place - self.start;
+        let depth = from_start.dot(self.forward) + self.ahead;
+        let along = |axis: Vec3| from_start.dot(axis) / (axis.length_squared() * depth);
+        let [x, y] = [0.5 + 0.5 * along(self.right), 0.5 - 0.5 * along(self.up)];
+        let is_inside = depth > 0.0 && (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y);
+        is_inside.then_some([x, y])
+    }
 }

@@ -148,18 +148,8 @@ impl Search<'_> {
 /// The pixel that sees `place`, and the difference between `direction` and the one from there to the eye; none where nothing
 /// is seen of it, or where the ray ends, after the length `free`, before it passes the eye.
 fn seen_from(scene: &PackedScene, place: Vec3, direction: Vec3, free: f32) -> Option<(u32, f32)> {
-    let camera = &scene.camera;
-    let from_start = place - camera.start;
-    let depth = from_start.dot(camera.forward) + camera.ahead;
-    if depth <= 0.0 {
-        return None;
-    }
-    let along = |axis: Vec3| from_start.dot(axis) / (axis.length_squared() * depth);
-    let [x, y] = [0.5 + 0.5 * along(camera.right), 0.5 - 0.5 * along(camera.up)];
-    if !(0.0..1.0).contains(&x) || !(0.0..1.0).contains(&y) {
-        return None;
-    }
-    let ray = camera.ray([x, y]);
+    let [x, y] = scene.camera.image_of(place)?;
+    let ray = scene.camera.ray([x, y]);
     let off = (direction + ray.direction).length();
     let distance = (place - ray.origin).length();
     let [width, height] = scene.size;
