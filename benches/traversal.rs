@@ -10,8 +10,8 @@ mod scenes;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use joton::backend::gpu::harness::{Harness, Work};
-use joton::backend::gpu::{Context, Kernel, link_source};
+use joton::backend::gpu::harness::{Harness, Work, is_small};
+use joton::backend::gpu::{Context, Kernel, Variant, link_source};
 use joton::packed::PackedScene;
 use joton::packed::layout::PassInfo;
 use joton::plan::{Plan, Settings};
@@ -119,22 +119,20 @@ fn on_device(
     scene: &PackedScene,
     rays: &[[Vec3; 2]],
 ) -> joton::Result<()> {
-    let file = if joton::backend::gpu::harness::is_small(context, scene) { "scene_small" } else { "scene" };
-    let text = format!(
-        "// import: {file}
-// import: accel/intersect.wgsl
+    let variant = Variant { small_scene: is_small(context, scene), ..Variant::default() };
+    let text = "// import: accel/intersect.wgsl
+// import: scene/features.wgsl
 // import: dispatch/index.wgsl
          @group(1) @binding(0) var<storage, read> rays: array<vec4<f32>>;
          @group(1) @binding(1) var<storage, read_write> hits: array<u32>;
          @compute @workgroup_size(64)
-         fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{
+         fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
              let i = linear_index(id, groups);
-             if i < arrayLength(&hits) {{
+             if i < arrayLength(&hits) {
                  hits[i] = traverse(rays[2u * i].xyz, rays[2u * i + 1u].xyz, 1e30, false).triangle;
-             }}
-         }}"
-    );
-    let kernel = Kernel::from_source(context, "traversal", &link_source(&text)?, "main", &[])?;
+             }
+         }";
+    let kernel = Kernel::from_source(context, "traversal", &link_source(text, variant)?, "main", &[])?;
     let mut harness = Harness::with_scene(context, scene, &Plan::new(scene, Settings::default()))?;
     let words: Vec<[f32; 4]> = rays.iter().flatten().map(|v| [v.x, v.y, v.z, 0.0]).collect();
     harness.storage("rays", &words);

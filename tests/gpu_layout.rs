@@ -53,6 +53,7 @@ macro_rules! for_every_struct {
             joton::packed::PackedMaterial,
             joton::packed::PackedEmitter,
             joton::packed::Target,
+            joton::packed::SceneInfo,
         )
     };
 }

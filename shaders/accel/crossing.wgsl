@@ -1,6 +1,6 @@
 // Crossing: which of two faces a ray meets first where they are so near each other that rounded distances do not tell [E27].
 // Twin: Crossing in src/packed/accel/mod.rs.
-// import: scene/triangles.wgsl
+// import: scene/scene.wgsl
 
 // What it takes to tell.
 struct Face {
@@ -11,7 +11,7 @@ struct Face {
     flags: u32,
 }
 
-fn face_of(c: Corners) -> Face {
+fn face_of(c: PackedTriangle) -> Face {
     let n = cross(c.e1, c.e2);
     return Face(c.v0, ONE_PLACE * dot(abs(n), abs(c.v0) + abs(c.e1) + abs(c.e2)), n, c.flags);
 }

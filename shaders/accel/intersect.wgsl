@@ -1,8 +1,8 @@
 // Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
-// import: scene/triangles.wgsl
+// import: scene/scene.wgsl
 // import: accel/crossing.wgsl
 // import: scene/features.wgsl
-// reads  nodes, triangles        counts  steps: loop iterations of this invocation        tells  traversal_cut
+// reads  scene        counts  steps: loop iterations of this invocation        tells  traversal_cut
 
 struct Hit {
     triangle: u32,
@@ -96,12 +96,12 @@ fn trace_ray(
                 depth += 1u;
             }
             let slot = (bit - 24u) ^ (octant & 0xffu);
-            let at = (base + countOneBits(mask & ~(0xffffffffu << slot))) * 5u;
-            let n0 = nodes[at];
-            let n1 = nodes[at + 1u];
-            let n2 = nodes[at + 2u];
-            let n3 = nodes[at + 3u];
-            let n4 = nodes[at + 4u];
+            let node = node_at(base + countOneBits(mask & ~(0xffffffffu << slot)));
+            let n0 = node.w0;
+            let n1 = node.w1;
+            let n2 = node.w2;
+            let n3 = node.w3;
+            let n4 = node.w4;
             let exponents = vec3(n0.w, n0.w >> 8u, n0.w >> 16u) & vec3(0xffu);
             let scale = bitcast<vec3<f32>>(exponents << vec3(23u)) * inverse;
             let start = (bitcast<vec3<f32>>(n0.xyz) - origin) * inverse;
@@ -123,7 +123,7 @@ fn trace_ray(
             let bit = firstLeadingBit(leaf.y);
             leaf.y &= ~(1u << bit);
             let index = leaf.x + bit;
-            let corners = triangle_corners(index);
+            let corners = triangle_at(index);
             let v0 = corners.v0;
             let e1 = corners.e1;
             let e2 = corners.e2;

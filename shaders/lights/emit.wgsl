@@ -6,7 +6,7 @@
 // import: lights/emitter.wgsl
 // import: lights/cone.wgsl
 // import: lights/warp.wgsl
-// reads  emitters, targets, warps, map_info, pass_info
+// reads  scene, targets, warps, map_info, pass_info
 
 struct Start {
     origin: vec3<f32>,
@@ -38,7 +38,7 @@ fn emit(number: u32) -> Start {
     let u = sobol_point(at, select(place_seeds, place_seeds_wrapped, is_wrapped));
     var v = sobol_point(at, select(direction_seeds, direction_seeds_wrapped, is_wrapped));
     let pick = pick_emitter(u.x, pass_info.emitters);
-    let e = emitters[pick.emitter];
+    let e = emitter_at(pick.emitter);
     var share = 1.0 / (e.pick * f32(map_info.emitted));
     if HAS_WARPS && e.warp > 0u {
         let steered = warped(e.warp - 1u, v);

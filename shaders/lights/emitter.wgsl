@@ -1,7 +1,8 @@
 // Emitters: picking, places on them, and what they send along a direction.
 // import: sampling/sampling.wgsl
 // import: scene/features.wgsl
-// reads  emitters
+// import: scene/scene.wgsl
+// reads  scene
 
 struct Pick {
     emitter: u32,
@@ -14,15 +15,15 @@ fn pick_emitter(u: f32, count: u32) -> Pick {
     var high = count - 1u;
     while low < high {
         let middle = (low + high) / 2u;
-        if u < emitters[middle].cumulative {
+        if u < emitter_at(middle).cumulative {
             high = middle;
         } else {
             low = middle + 1u;
         }
     }
-    let e_pick = emitters[low].pick;
-    let before = emitters[low].cumulative - e_pick;
-    return Pick(low, clamp((u - before) / max(e_pick, 1e-30), 0.0, 0.99999994));
+    let e = emitter_at(low);
+    let before = e.cumulative - e.pick;
+    return Pick(low, clamp((u - before) / max(e.pick, 1e-30), 0.0, 0.99999994));
 }
 
 // True for an emissive triangle; where there are no other lights, nothing else is compiled.

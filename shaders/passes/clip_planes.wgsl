@@ -1,21 +1,17 @@
 // Clip: the planes of the walls that cut a gather point's disc. Light from behind a wall must not reach the disc's middle,
 // though the surface goes on there: a partition that stands on a floor. The pilot sends a few rays along the surface; what
 // they meet at a steep angle within the disc are walls. Passes keep to the gather point's side of the nearest two.
-// reads  nodes, triangles, materials, map_info, gather_points, edges (1: cut, 2: other surfaces near)   writes  clips, status
+// reads  scene, map_info, gather_points, edges (1: cut, 2: other surfaces near)   writes  clips, status
 // import: camera/strip.wgsl
 // import: sampling/sampling.wgsl
 // import: accel/intersect.wgsl
 // import: maps/clip_planes.wgsl
 
-@group(0) @binding(0) var<uniform> pass_info: PassInfo;
-@group(0) @binding(1) var<uniform> map_info: MapInfo;
-@group(0) @binding(2) var<storage, read> nodes: array<vec4<u32>>;
-@group(0) @binding(3) var<storage, read> triangles: array<PackedTriangle>;
-@group(0) @binding(4) var<storage, read> gather_points: array<GatherPoint>;
-@group(0) @binding(5) var<storage, read> edges: array<u32>;
-@group(0) @binding(6) var<storage, read_write> clips: array<Clip>;
-@group(0) @binding(7) var<storage, read> materials: array<PackedMaterial>;
-@group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
+@group(1) @binding(0) var<uniform> map_info: MapInfo;
+@group(1) @binding(1) var<storage, read> gather_points: array<GatherPoint>;
+@group(1) @binding(2) var<storage, read> edges: array<u32>;
+@group(1) @binding(3) var<storage, read_write> clips: array<Clip>;
+@group(1) @binding(4) var<storage, read_write> status: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -42,7 +38,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             }
             let t = triangle_at(hit.triangle);
             // light goes through glass
-            if (materials[t.material].flag_bits & DIELECTRIC) != 0u {
+            if (t.flags & CLEAR) != 0u {
                 continue;
             }
             let front = normalize(cross(t.e1, t.e2));

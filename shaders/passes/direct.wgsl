@@ -34,7 +34,7 @@ struct LightSample {
 
 fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let pick = pick_emitter(u.x, pass_info.emitters);
-    let e = emitters[pick.emitter];
+    let e = emitter_at(pick.emitter);
     if is_triangle(e.kind) {
         let b = sample_triangle(vec2(pick.rest, u.y));
         let normal = normalize(cross(e.e1, e.e2));
@@ -66,11 +66,11 @@ fn near_emitter(p: vec3<f32>) -> bool {
     }
     var near = false;
     for (var i = 0u; i < count; i += 1u) {
-        let e1 = emitters[i].e1;
-        let center = (e1 + emitters[i].e2) / 3.0;
-        let d = emitters[i].origin + center - p;
-        let largest = max(length(center), length(e1 - center)) + NEAR_WIDTH * sqrt(emitters[i].area / emitters[i].pick);
-        near = near || (is_triangle(emitters[i].kind) && dot(d, d) < largest * largest);
+        let e = emitter_at(i);
+        let center = (e.e1 + e.e2) / 3.0;
+        let d = e.origin + center - p;
+        let largest = max(length(center), length(e.e1 - center)) + NEAR_WIDTH * sqrt(e.area / e.pick);
+        near = near || (is_triangle(e.kind) && dot(d, d) < largest * largest);
     }
     return near;
 }
@@ -91,7 +91,7 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
     if t.emitter == NO_EMITTER || dot(wi, front) >= 0.0 {
         return Bands(0.0);
     }
-    let e = emitters[t.emitter];
+    let e = emitter_at(t.emitter);
     let pdf_light = f32(pass_info.light_candidates) * e.pick * hit.t * hit.t / (e.area * -dot(wi, front));
     // f Le cos / pdf · pdf / (pdf + pdf_light)
     return eval_brdf(m, n, wi, wo) * e.strength * (cos_receiver / (pdf_brdf(m, n, wi, wo) + pdf_light));
@@ -110,7 +110,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         || (HAS_PATH_FILTER && !path_wanted(path_step(PATH_START, EVENT_D), chain)) {
         return;
     }
-    let m = materials[point.surface & 0xffffffu];
+    let m = material_at(point.surface & 0xffffffu);
     let geometric = decode_direction(point.normal);
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);

@@ -54,7 +54,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         path_length += hit.t;
         let s = surface_at(hit);
-        let m = materials[s.material];
+        let m = material_at(s.material);
         let from_front = dot(direction, s.front) < 0.0;
         if (m.flag_bits & EMISSIVE) != 0u && from_front
             && (!HAS_PATH_FILTER || path_wanted(PATH_START, events)) {

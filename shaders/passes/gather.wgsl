@@ -1,9 +1,10 @@
 // Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
 // L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the weights of the boundary's fit; no cosine, it is in Φ already.  [E7] Jensen 1996
 // Two variants: the caustic map (a radius for each pixel) and the diffuse map (fitted at boundaries).
-// reads  tiles, map_info, path_filter, gather_points, materials, sorted_jotons, bucket_starts, fits, clips
+// reads  tiles, map_info, path_filter, gather_points, scene, sorted_jotons, bucket_starts, fits, clips
 // writes  film, status
 // import: scene/features.wgsl
+// import: scene/scene.wgsl
 // import: camera/strip.wgsl
 // import: camera/live.wgsl
 // import: maps/grid.wgsl
@@ -14,18 +15,16 @@
 
 override CAUSTIC: bool = false;
 
-@group(0) @binding(0) var<uniform> pass_info: PassInfo;
-@group(0) @binding(1) var<uniform> map_info: MapInfo;
-@group(0) @binding(2) var<uniform> path_filter: PathFilter;
-@group(0) @binding(3) var<storage, read> gather_points: array<GatherPoint>;
-@group(0) @binding(4) var<storage, read> materials: array<PackedMaterial>;
-@group(0) @binding(5) var<storage, read> sorted_jotons: array<Joton>;
-@group(0) @binding(6) var<storage, read> bucket_starts: array<u32>;
+@group(1) @binding(0) var<uniform> map_info: MapInfo;
+@group(1) @binding(1) var<uniform> path_filter: PathFilter;
+@group(1) @binding(2) var<storage, read> gather_points: array<GatherPoint>;
+@group(1) @binding(3) var<storage, read> sorted_jotons: array<Joton>;
+@group(1) @binding(4) var<storage, read> bucket_starts: array<u32>;
 // Caustic map: base radius of each pixel in .x; diffuse map: weights of the fit.
-@group(0) @binding(7) var<storage, read> fits: array<Fit>;
-@group(0) @binding(8) var<storage, read_write> film: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read_write> status: array<atomic<u32>>;
-@group(0) @binding(10) var<storage, read> clips: array<Clip>;
+@group(1) @binding(5) var<storage, read> fits: array<Fit>;
+@group(1) @binding(6) var<storage, read_write> film: array<vec4<f32>>;
+@group(1) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+@group(1) @binding(8) var<storage, read> clips: array<Clip>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -43,8 +42,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if CAUSTIC {
         r = min(r, fit.x * sqrt(map_info.shrink));
     }
-    let material = point.surface & 0xffffffu;
-    let is_glossy = HAS_GLOSSY && (materials[material].flag_bits & GLOSSY) != 0u;
+    let m = material_at(point.surface & 0xffffffu);
+    let is_glossy = HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u;
     let chain = (point.surface >> 24u) & 63u;
     let normal = decode_direction(point.normal);
     let shading = decode_direction(point.shading_normal);
@@ -93,7 +92,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                     && (!HAS_PATH_FILTER || path_wanted(bitcast<u32>(joton.w) >> 24u, chain)) {
                     if is_glossy {
                         let wi = decode_direction(sorted_jotons[first + k].wi);
-                        flux *= eval_brdf(materials[material], shading, wi, wo);
+                        flux *= eval_brdf(m, shading, wi, wo);
                     }
                     if CAUSTIC {
                         sum += flux;
@@ -117,7 +116,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         sum /= PI * r * r * max(kept, CLIP_KEPT_MIN);
     }
     if !is_glossy {
-        sum *= materials[material].diffuse / PI;
+        sum *= m.diffuse / PI;
     }
     film[at] += vec4(point.throughput * sum, 0.0);
 }

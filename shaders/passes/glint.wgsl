@@ -90,7 +90,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
             continue;
         }
         let s = surface_at(hit);
-        let m = materials[s.material];
+        let m = material_at(s.material);
         let from_front = dot(way.direction, s.front) < 0.0;
         if (m.flag_bits & EMISSIVE) != 0u && from_front
             && (pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events)) {

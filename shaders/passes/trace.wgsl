@@ -82,7 +82,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             continue;
         }
         let s = surface_at(hit);
-        let m = materials[s.material];
+        let m = material_at(s.material);
         let from_front = dot(lane.direction, s.front) < 0.0;
         let geometric = s.front * select(-1.0, 1.0, from_front);
         let shading = facing_normal(s, lane.direction, geometric);

@@ -1,8 +1,24 @@
 // The scene where it fits into uniform buffers, which are read faster. See scene.wgsl.
+// import: scene/records.wgsl
+// reads  nodes, triangles, materials, emitters, heap, scene_info
 
-@group(0) @binding(0) var<uniform> pass_info: PassInfo;
-@group(0) @binding(1) var<uniform> nodes: array<vec4<u32>, SMALL_NODE_WORDS>;
-@group(0) @binding(2) var<uniform> triangles: array<PackedTriangle, SMALL_TRIANGLES>;
-@group(0) @binding(3) var<storage, read> shading_normals: array<vec4<u32>>;
-@group(0) @binding(4) var<uniform> materials: array<PackedMaterial, SMALL_MATERIALS>;
-@group(0) @binding(5) var<uniform> emitters: array<PackedEmitter, SMALL_EMITTERS>;
+@group(0) @binding(6) var<uniform> nodes: array<Node, SMALL_NODES>;
+@group(0) @binding(7) var<uniform> triangles: array<PackedTriangle, SMALL_TRIANGLES>;
+@group(0) @binding(8) var<uniform> materials: array<PackedMaterial, SMALL_MATERIALS>;
+@group(0) @binding(9) var<uniform> emitters: array<PackedEmitter, SMALL_EMITTERS>;
+
+fn node_at(index: u32) -> Node {
+    return nodes[index];
+}
+
+fn triangle_at(index: u32) -> PackedTriangle {
+    return triangles[index];
+}
+
+fn material_at(index: u32) -> PackedMaterial {
+    return materials[index];
+}
+
+fn emitter_at(index: u32) -> PackedEmitter {
+    return emitters[index];
+}

@@ -1,6 +1,6 @@
 // The surface at a hit: position, normals, side.
 // import: accel/intersect.wgsl
-// reads  triangles, shading_normals
+// reads  scene
 
 struct Surface {
     position: vec3<f32>,
@@ -21,7 +21,7 @@ fn surface_at(hit: Hit) -> Surface {
     let lift = lift_of(front, abs(t.v0) + abs(t.e1) + abs(t.e2));
     var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift);
     if HAS_SMOOTH && (t.flags & SMOOTH) != 0u {
-        let packed = shading_normals[hit.triangle];
+        let packed = normals_at(hit.triangle);
         let n = (1.0 - hit.u - hit.v) * decode_direction(packed.x) + hit.u * decode_direction(packed.y)
             + hit.v * decode_direction(packed.z);
         let length2 = dot(n, n);

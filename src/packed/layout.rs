@@ -12,6 +12,8 @@ pub trait GpuStruct: bytemuck::Pod {
     const NAME: &'static str;
     /// Its declaration in WGSL.
     const WGSL: &'static str;
+    /// WGSL type of every field.
+    const TYPES: &'static [&'static str];
     /// Name and offset of every field on the Rust side.
     fn offsets() -> Vec<(&'static str, usize)>;
 }
@@ -32,6 +34,7 @@ macro_rules! gpu_struct {
                 $("    ", stringify!($field), ": ", stringify!($ty), ",\n",)*
                 "}\n"
             );
+            const TYPES: &'static [&'static str] = &[$(stringify!($ty),)*];
             fn offsets() -> Vec<(&'static str, usize)> {
                 vec![$((stringify!($field), std::mem::offset_of!($name, $field)),)*]
             }
@@ -359,13 +362,13 @@ pub mod status {
     }
 }
 
-/// Most of each that a scene in uniform buffers has: 64 KiB, WebGPU's least limit. Nodes are counted in words of 16 bytes.
-pub const SMALL_NODE_WORDS: u32 = 4096;
-/// See [`SMALL_NODE_WORDS`].
+/// Most of each that a scene in uniform buffers has: 64 KiB, WebGPU's least limit.
+pub const SMALL_NODES: u32 = 819;
+/// See [`SMALL_NODES`].
 pub const SMALL_TRIANGLES: u32 = 1365;
-/// See [`SMALL_NODE_WORDS`].
+/// See [`SMALL_NODES`].
 pub const SMALL_MATERIALS: u32 = 819;
-/// See [`SMALL_NODE_WORDS`].
+/// See [`SMALL_NODES`].
 pub const SMALL_EMITTERS: u32 = 819;
 
 /// A joton is taken only where its normal and the gather point's agree this well …
@@ -504,7 +507,7 @@ pub fn constants() -> String {
     u("TILES_VECTORS", TILES_VECTORS);
     u("TILE_BITS", TILE_BITS);
     u("TILE_MASK", (1 << TILE_BITS) - 1);
-    u("SMALL_NODE_WORDS", SMALL_NODE_WORDS);
+    u("SMALL_NODES", SMALL_NODES);
     u("SMALL_TRIANGLES", SMALL_TRIANGLES);
     u("SMALL_MATERIALS", SMALL_MATERIALS);
     u("SMALL_EMITTERS", SMALL_EMITTERS);
@@ -576,9 +579,9 @@ pub const TILE_BITS: u32 = 24;
 /// Levels of the hierarchy that a traversal can keep in mind; obvhs' own limit.
 pub const TRAVERSAL_STACK: u32 = 32;
 
-/// Every struct that kernels may use, as WGSL.
+/// Every struct that kernels may use, and the functions that read them from the heap, as WGSL.
 pub fn declarations() -> String {
-    use crate::packed::{PackedEmitter, PackedMaterial, PackedTriangle, Target};
+    use crate::packed::{PackedEmitter, PackedMaterial, PackedTriangle, SceneInfo, Target};
     let mut s = String::from(ALIASES);
     for declaration in [
         PassInfo::WGSL,
@@ -597,10 +600,11 @@ pub fn declarations() -> String {
         PackedMaterial::WGSL,
         PackedEmitter::WGSL,
         Target::WGSL,
+        SceneInfo::WGSL,
     ] {
         s.push_str(declaration);
     }
-    s + &constants()
+    s + &crate::packed::heap::readers() + &constants()
 }
 
 #[cfg(test)]

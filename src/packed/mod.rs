@@ -14,6 +14,7 @@ mod doubts;
 mod emitters;
 mod enclosure_culling;
 mod guide;
+mod heap;
 pub mod layout;
 mod surfaces;
 mod targets;
@@ -25,6 +26,7 @@ pub use camera::{CameraRay, PackedCamera};
 pub use doubts::doubts;
 pub use emitters::{EmitterKind, FAR, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
+pub use heap::{HEAP_WORD, HeapCounts, HeapLayout, PackedNormals, SceneInfo};
 pub use surfaces::{
     CLEAR, LAMP, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner,
 };

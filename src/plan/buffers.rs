@@ -11,10 +11,10 @@ use crate::estimators::split_paths::{SplitPaths, TREES_MAX};
 use crate::film::{LAYERS, Layer, host_bytes};
 use crate::packed::layout::{
     AreaPoint, Clip, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, SMALL_EMITTERS,
-    SMALL_MATERIALS, SMALL_NODE_WORDS, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
+    SMALL_MATERIALS, SMALL_NODES, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
 };
 use crate::packed::{
-    MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target,
+    HEAP_WORD, HeapCounts, HeapLayout, MAX_TARGETS, MAX_WARPS, PackedScene, SceneInfo, Target,
     VISIBLE_CELL_WORDS, WARP_WORDS,
 };
 
@@ -58,11 +58,6 @@ const WORD: u64 = 4;
 const GRAIN: u64 = 16;
 /// Bytes of each uniform buffer of a small scene: WebGPU's least limit.
 const SMALL_BYTES: u64 = 1 << 16;
-/// Bytes of a node, and words of 16 bytes in it.
-const NODE_BYTES: u64 = 80;
-const NODE_WORDS: usize = 5;
-/// Bytes of a triangle's shading normals.
-const NORMALS_BYTES: u64 = 16;
 /// Bytes of the ring of uniforms.
 pub const RING_BYTES: u64 = 1 << 20;
 /// Items that one invocation of a scan adds up.
@@ -267,52 +262,64 @@ pub fn fit(
     }
 }
 
+/// Lists of emitters, which differ in their probabilities: by flux, and as was learned for shadow rays and for each map.
+pub const EMITTER_LISTS: [&str; 4] = ["flux", "direct", "caustic", "diffuse"];
+/// The uniforms that say where the heap has what a kernel reads, in the order of [`EMITTER_LISTS`] …
+pub const SCENE_INFOS: [&str; 4] =
+    ["scene_info", "scene_info_direct", "scene_info_caustic", "scene_info_diffuse"];
+/// … and the lists themselves where they are small.
+pub const SMALL_EMITTER_LISTS: [&str; 4] =
+    ["emitters", "emitters_direct", "emitters_caustic", "emitters_diffuse"];
+
+/// Which lists of emitters are lists of their own, in the order of [`EMITTER_LISTS`].
+fn lists(plan: &Plan) -> [bool; 4] {
+    let guides = &plan.guides;
+    [true, !guides.direct.is_empty(), !guides.caustic.is_empty(), !guides.diffuse.is_empty()]
+}
+
+/// Where in the heap the list of emitters lies that is meant by each of [`EMITTER_LISTS`].
+pub fn list_numbers(plan: &Plan) -> [usize; 4] {
+    let lists = lists(plan);
+    std::array::from_fn(|i| if lists[i] { lists[..i].iter().filter(|own| **own).count() } else { 0 })
+}
+
+/// Where the scene lies in the heap.
+pub fn heap_layout(scene: &PackedScene, plan: &Plan) -> HeapLayout {
+    HeapLayout::new(&HeapCounts {
+        nodes: scene.bvh.node_count(),
+        triangles: scene.triangles.len(),
+        normals: scene.shading_normals.len(),
+        materials: scene.materials.len(),
+        emitters: scene.emitters.len(),
+        lists: lists(plan).into_iter().filter(|own| *own).count(),
+    })
+}
+
 /// The scene, and the uniforms that never change.
 pub fn scene_buffers(scene: &PackedScene, plan: &Plan, machine: &DeviceLimits) -> Vec<Buffer> {
-    let small = is_small(scene, machine);
-    let buffer = |name, count: usize, each: u64, holds| {
+    let bytes = heap_layout(scene, plan).bytes();
+    let mut all = vec![Buffer::new(HEAP[0], bytes, "the scene")];
+    if is_split(bytes, machine) {
+        let part = heap_part_bytes(machine);
+        all = (0..)
+            .zip(HEAP)
+            .map(|(i, name)| {
+                // what does not fit into all parts is left to the last, and found to be too large
+                let most = if i + 1 < HEAP.len() as u64 { part } else { bytes };
+                Buffer::new(name, bytes.saturating_sub(i * part).min(most), "a part of the scene")
+            })
+            .collect();
+    }
+    if is_small(scene, machine) {
         // a uniform buffer is as long as the kernels say, whatever is in it
-        let bytes = if small { SMALL_BYTES } else { count as u64 * each };
-        Buffer::new(name, bytes, holds)
-    };
-    let emitter = size_of::<PackedEmitter>() as u64;
-    let mut all = vec![
-        buffer("nodes", scene.bvh.node_count(), NODE_BYTES, "hierarchy"),
-        buffer("triangles", scene.triangles.len(), TRIANGLE, "triangles"),
-        Buffer::new(
-            "shading_normals",
-            scene.shading_normals.len() as u64 * NORMALS_BYTES,
-            "normals of smooth surfaces",
-        ),
-        buffer("materials", scene.materials.len(), size_of::<PackedMaterial>() as u64, "materials"),
-        buffer("emitters", scene.emitters.len(), emitter, "lights"),
-    ];
-    for (name, guide, holds) in [
-        ("emitters_direct", &plan.guides.direct, "lights, picked as was learned for shadow rays"),
-        ("emitters_caustic", &plan.guides.caustic, "lights, picked as was learned for the caustic map"),
-        ("emitters_diffuse", &plan.guides.diffuse, "lights, picked as was learned for the diffuse map"),
-    ] {
-        if !guide.is_empty() {
-            all.push(buffer(name, scene.emitters.len(), emitter, holds));
-        }
+        let lists = SMALL_EMITTER_LISTS.into_iter().zip(lists(plan)).filter(|(_, own)| *own);
+        let names = ["nodes", "triangles", "materials"].into_iter().chain(lists.map(|(name, _)| name));
+        all.extend(names.map(|name| Buffer::new(name, SMALL_BYTES, "a copy of a part of a small scene")));
     }
-    if is_split(scene, machine) {
-        let bytes = scene.triangles.len() as u64 * TRIANGLE;
-        let part = triangles_part_bytes(machine);
-        for (i, name) in (0..).zip(TRIANGLES) {
-            // what does not fit into all parts is left to the last, and found to be too large
-            let most = if i + 1 < TRIANGLES.len() as u64 { part } else { bytes };
-            let buffer = Buffer::new(
-                name,
-                bytes.saturating_sub(i * part).clamp(TRIANGLE, most),
-                "a part of the triangles",
-            );
-            match all.iter_mut().find(|b| b.name == name) {
-                Some(whole) => *whole = buffer,
-                None => all.push(buffer),
-            }
-        }
-    }
+    let infos = SCENE_INFOS.into_iter().zip(lists(plan)).filter(|(_, own)| *own);
+    all.extend(infos.map(|(name, _)| {
+        Buffer::new(name, size_of::<SceneInfo>() as u64, "where the scene lies in its buffer")
+    }));
     let warps = (MAX_WARPS * WARP_WORDS) as u64 * WORD;
     all.extend([
         Buffer::new("targets", (MAX_TARGETS * size_of::<Target>()) as u64, "spheres about specular bodies"),
@@ -333,36 +340,31 @@ fn tiles_bytes([width, height]: [u32; 2]) -> u64 {
     (tiles * WORD).next_multiple_of(binding).max(binding)
 }
 
-/// Names of the parts of the triangles where they are more than a binding holds. Nodes are fewer and normals smaller: both
-/// fit where the triangles do.
-pub const TRIANGLES: [&str; 4] = ["triangles", "triangles_1", "triangles_2", "triangles_3"];
+/// Names of the parts of the heap where it is more than a binding holds.
+pub const HEAP: [&str; 8] = ["heap", "heap_1", "heap_2", "heap_3", "heap_4", "heap_5", "heap_6", "heap_7"];
 /// Storage buffers of the kernel that has most of them, with all these parts.
-const STORAGE_BUFFERS_SPLIT: u32 = 8 + TRIANGLES.len() as u32 - 1;
+const STORAGE_BUFFERS_SPLIT: u32 = 8 + HEAP.len() as u32 - 1;
 
-/// Bytes of a triangle.
-const TRIANGLE: u64 = size_of::<PackedTriangle>() as u64;
-
-/// Binary logarithm of the triangles in a part: as many as a binding holds.
-pub fn triangles_part(machine: &DeviceLimits) -> u32 {
-    (machine.storage_binding / TRIANGLE).max(1).ilog2()
+/// Binary logarithm of the words in a part of the heap: as many as a binding holds.
+pub fn heap_part(machine: &DeviceLimits) -> u32 {
+    (machine.storage_binding / HEAP_WORD).max(1).ilog2()
 }
 
-/// Bytes of a part of the triangles.
-pub fn triangles_part_bytes(machine: &DeviceLimits) -> u64 {
-    TRIANGLE << triangles_part(machine)
+/// Bytes of a part of the heap.
+pub fn heap_part_bytes(machine: &DeviceLimits) -> u64 {
+    HEAP_WORD << heap_part(machine)
 }
 
-/// True where the triangles are more than a binding holds, and the device can bind their parts.
-pub fn is_split(scene: &PackedScene, machine: &DeviceLimits) -> bool {
-    scene.triangles.len() as u64 * TRIANGLE > machine.storage_binding
-        && machine.storage_buffers >= STORAGE_BUFFERS_SPLIT
+/// True where the heap is more than a binding holds, and the device can bind its parts.
+pub fn is_split(heap_bytes: u64, machine: &DeviceLimits) -> bool {
+    heap_bytes > machine.storage_binding && machine.storage_buffers >= STORAGE_BUFFERS_SPLIT
 }
 
 /// True for a scene that fits into uniform buffers.
 pub fn is_small(scene: &PackedScene, machine: &DeviceLimits) -> bool {
     let fits = |count: usize, most: u32| count <= most as usize;
     machine.uniform_binding >= SMALL_BYTES
-        && fits(scene.bvh.node_count() * NODE_WORDS, SMALL_NODE_WORDS)
+        && fits(scene.bvh.node_count(), SMALL_NODES)
         && fits(scene.triangles.len(), SMALL_TRIANGLES)
         && fits(scene.materials.len(), SMALL_MATERIALS)
         && fits(scene.emitters.len(), SMALL_EMITTERS)

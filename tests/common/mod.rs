@@ -7,7 +7,7 @@ pub mod twins;
 pub mod world;
 
 use joton::backend::gpu::harness::{Harness, PATTERN, Work};
-use joton::backend::gpu::{Context, Kernel, link_source};
+use joton::backend::gpu::{Context, Kernel, Variant, link_source};
 use joton::packed::layout::{MapInfo, PassInfo, PathFilter};
 use std::io::Write;
 use std::sync::OnceLock;
@@ -142,7 +142,7 @@ impl Snippet<'_> {
             inputs.len(),
             self.code,
         );
-        let linked = link_source(&text).unwrap_or_else(|e| panic!("{e}"));
+        let linked = link_source(&text, Variant::default()).unwrap_or_else(|e| panic!("{e}"));
         let kernel = Kernel::from_source(context, "snippet", &linked, "main", self.overrides)
             .unwrap_or_else(|e| panic!("{e}"));
         harness.storage("snippet_in", inputs.as_flattened());

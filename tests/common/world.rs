@@ -33,11 +33,8 @@ impl World {
     /// The buffers of a scene that is nothing but these triangles.
     pub fn harness<'a>(&self, context: &'a Context) -> Harness<'a> {
         let mut harness = Harness::new(context);
-        harness.storage("nodes", &self.bvh.nodes());
-        harness.storage("triangles", &self.triangles);
-        for name in ["shading_normals", "materials", "emitters"] {
-            harness.storage(name, &[0u32; 64]);
-        }
+        harness.scene("nodes", &self.bvh.nodes());
+        harness.scene("triangles", &self.triangles);
         harness
     }
 

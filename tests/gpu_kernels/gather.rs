@@ -91,7 +91,7 @@ impl Question<'_> {
         info.shrink = self.shrink;
         let mut harness = map(context, self.jotons, &info);
         harness.uniform("path_filter", &path_filter(self.paths));
-        harness.storage("materials", &materials());
+        harness.scene("materials", &materials());
         harness.storage("gather_points", self.points);
         harness.storage("clips", &vec![Clip::zeroed(); self.points.len()]);
         harness.storage("fits", self.fits);

@@ -145,7 +145,7 @@ impl<'a> Stage<'a> {
         harness.storage("jotons", jotons);
         harness.sort_map(&info).unwrap_or_else(|e| panic!("{e}"));
         harness.uniform("path_filter", &path_filter("L.*E"));
-        harness.storage("materials", &[PackedMaterial::new(&Material::matte("m", [REFLECTANCE; 3]))]);
+        harness.scene("materials", &[PackedMaterial::new(&Material::matte("m", [REFLECTANCE; 3]))]);
         harness.storage("gather_points", &self.points);
         harness.storage("clips", &vec![Clip::zeroed(); self.points.len()]);
         harness.storage("fits", fits);

@@ -5,7 +5,7 @@ use crate::common::{kernel, map_info, pass_info, path_filter};
 use crate::device_or_return;
 use bytemuck::Zeroable;
 use joton::backend::gpu::harness::{Harness, Work};
-use joton::backend::gpu::{Context, Kernel, link_source};
+use joton::backend::gpu::{Context, Kernel, Variant, link_source};
 use joton::packed::PackedScene;
 use joton::packed::layout::{Joton, LaneTally, PathState, STEP_BUDGET};
 use joton::plan::{Plan, Settings};
@@ -217,7 +217,7 @@ fn loops_of_this_driver() {
             while i < rounds[64] { x = x * 1664525u + 1013904223u; i += 1u; }
             rounds[id.x] = i + (x & 0u);
         }";
-    let linked = link_source(text).unwrap_or_else(|e| panic!("{e}"));
+    let linked = link_source(text, Variant::default()).unwrap_or_else(|e| panic!("{e}"));
     let k = Kernel::from_source(context, "canary", &linked, "main", &[]).unwrap_or_else(|e| panic!("{e}"));
     let run = |rounds: u32| -> u32 {
         let mut harness = Harness::new(context);

@@ -352,7 +352,7 @@ fn branches_on_uniforms_are_found() {
             fn bound(n: u32) -> u32 { var s = 0u; for (var i = 0u; i < n; i += 1u) { s += i; } return s; }
             fn larger(n: u32) -> u32 { return 2u * n; }
             @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {";
-        link_source(&format!("{head}{body}}}")).unwrap_or_else(|e| panic!("{e}"))
+        link_source(&format!("{head}{body}}}"), Variant::default()).unwrap_or_else(|e| panic!("{e}"))
     };
     for body in [
         "if pass_info.pass_index == PILOT_PASS { status[id.x] = 1u; }",

@@ -5,7 +5,6 @@ use crate::device_or_return;
 use joton::backend::gpu::harness::Harness;
 use joton::packed::PackedEmitter;
 
-const EMITTERS: &str = "@group(0) @binding(0) var<storage, read> emitters: array<PackedEmitter>;\n";
 const BELOW_ONE: f32 = 1.0 - 1.0 / 16_777_216.0;
 
 /// A table as src/packed/emitters.rs makes it: sums in f64, picks as differences of the rounded sums.
@@ -44,9 +43,9 @@ fn check(weights: &[f64]) {
         emitters.len()
     );
     let snippet =
-        Snippet { imports: &["lights/emitter.wgsl"], declarations: EMITTERS, code: &code, overrides: &[] };
+        Snippet { imports: &["lights/emitter.wgsl"], declarations: "", code: &code, overrides: &[] };
     let mut harness = Harness::new(context);
-    harness.storage("emitters", &emitters);
+    harness.scene("emitters", &emitters);
     let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
     for (&u, [o]) in numbers.iter().zip(out) {
         let i = o[0] as usize;
@@ -100,9 +99,9 @@ fn spots_fall_off_as_a_smoothstep() {
         inputs.extend(all.map(|at| [row([at, inner, outer, 0.0])]));
     }
     let code = "let i = in_f(0u); out_f(0u, vec4(spot_falloff(i.x, i.y, i.z), 0.0, 0.0, 0.0));";
-    let snippet = Snippet { imports: &["lights/emitter.wgsl"], declarations: EMITTERS, code, overrides: &[] };
+    let snippet = Snippet { imports: &["lights/emitter.wgsl"], declarations: "", code, overrides: &[] };
     let mut harness = Harness::new(context);
-    harness.storage("emitters", &table(&[1.0]));
+    harness.scene("emitters", &table(&[1.0]));
     let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
     for ([i], [o]) in inputs.iter().zip(out) {
         let [at, inner, outer, _] = floats(*i).map(f64::from);

@@ -61,7 +61,8 @@ fn numbers_past_65535_workgroups_are_all_there() {
              fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{\n\
              let i = linear_index(id, groups); if i >= {count}u {{ return; }} marks[i] += i + 1u; }}\n"
         );
-        let linked = joton::backend::gpu::link_source(&text).unwrap_or_else(|e| panic!("{e}"));
+        let linked = joton::backend::gpu::link_source(&text, joton::backend::gpu::Variant::default())
+            .unwrap_or_else(|e| panic!("{e}"));
         let kernel = joton::backend::gpu::Kernel::from_source(context, "marks", &linked, "main", &[])
             .unwrap_or_else(|e| panic!("{e}"));
         let mut harness = joton::backend::gpu::harness::Harness::new(context);

@@ -6,6 +6,7 @@ use crate::common::{Row, Snippet, floats, random, random_direction, row3, vec3};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
 use joton::backend::gpu::Context;
+use joton::backend::gpu::harness::pack_normals;
 use joton::packed::PackedTriangle;
 
 /// Weights of the device may be off by this much: f32 cross products of coordinates near 1000.
@@ -206,16 +207,9 @@ fn surfaces_lie_where_rays_hit() {
     let mut harness = world.harness(context);
     let smooth: Vec<PackedTriangle> =
         world.triangles.iter().map(|t| PackedTriangle { flags: joton::packed::SMOOTH, ..*t }).collect();
-    harness.storage("triangles", &smooth);
-    let normals: Vec<[u32; 4]> = smooth
-        .iter()
-        .map(|t| {
-            let [a, b, c] =
-                t.vertices().map(|p| joton::backend::gpu::harness::encode_direction(p.normalize()));
-            [a, b, c, 0]
-        })
-        .collect();
-    harness.storage("shading_normals", &normals);
+    harness.scene("triangles", &smooth);
+    let radial = |t: &PackedTriangle| pack_normals(t.vertices().map(|p| p.normalize()));
+    harness.scene("normals", &smooth.iter().map(radial).collect::<Vec<_>>());
     let rays = random_rays(2000, 400.0);
     let inputs: Vec<[Row; 2]> = rays.iter().map(|r| [row3(r[0], 0.0), row3(r[1], 0.0)]).collect();
     let code = "let h = traverse(in_f(0u).xyz, in_f(1u).xyz, 1e30, false);

@@ -30,7 +30,7 @@ fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {
             .map(PackedMaterial::new)
             .collect();
     assert!(materials[3].specular_exponent > 0.0, "lobes this sharp are followed");
-    harness.storage("materials", &materials);
+    harness.scene("materials", &materials);
     harness
 }
 
@@ -92,10 +92,10 @@ fn specular_events_mirror_and_refract() {
         }
     }
     let code = "let me = u32(in_f(0u).w); let n = in_f(1u).xyz; let front = in_f(1u).w > 0.5;
-        let s = specular_scatter(materials[me / 16u], me % 16u, in_f(0u).xyz, n, n, front, in_f(2u).xy);
+        let s = specular_scatter(material_at(me / 16u), me % 16u, in_f(0u).xyz, n, n, front, in_f(2u).xy);
         out_f(0u, vec4(s.direction, s.eta_it));
         out_u(1u, vec4(select(0u, 1u, s.alive),
-            bitcast<u32>(dielectric_reflectance(materials[me / 16u], n, in_f(0u).xyz, front)), 0u, 0u));";
+            bitcast<u32>(dielectric_reflectance(material_at(me / 16u), n, in_f(0u).xyz, front)), 0u, 0u));";
     let out: Vec<[Row; 2]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);
     let mut below = 0;
     for (i, [o, flags]) in inputs.iter().zip(out) {
@@ -149,9 +149,9 @@ fn panes_bend_nothing() {
         })
         .collect();
     let code = "let d = in_f(0u).xyz; let n = in_f(1u).xyz; let front = in_f(0u).w > 0.5;
-        let s = specular_scatter(materials[4], EVENT_TRANSMIT, d, n, n, front, vec2(0.5));
+        let s = specular_scatter(material_at(4), EVENT_TRANSMIT, d, n, n, front, vec2(0.5));
         out_f(0u, vec4(s.direction, s.eta_it));
-        out_f(1u, vec4(dielectric_reflectance(materials[4], n, d, front), select(0.0, 1.0, s.alive), 0.0, 0.0));";
+        out_f(1u, vec4(dielectric_reflectance(material_at(4), n, d, front), select(0.0, 1.0, s.alive), 0.0, 0.0));";
     let out: Vec<[Row; 2]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);
     let mut sides = [0; 2];
     for (i, [o, more]) in inputs.iter().zip(out) {

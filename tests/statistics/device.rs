@@ -36,7 +36,7 @@ impl<'a> Device<'a> {
         let mut plan = Plan::new(scene, Settings::default());
         plan.guides = Arc::new(Guides { caustic: guide.clone(), ..Guides::default() });
         let mut harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
-        harness.storage("emitters", guide.emitters(&scene.emitters));
+        harness.scene("emitters", guide.emitters(&scene.emitters));
         let mut pass = pass_info();
         (pass.eye, pass.right, pass.up) = (scene.camera.eye, scene.camera.right, scene.camera.up);
         pass.forward = scene.camera.forward;
@@ -49,7 +49,7 @@ impl<'a> Device<'a> {
 
     /// Put other materials in place of the scene's.
     pub fn materials(&mut self, materials: &[PackedMaterial]) {
-        self.harness.storage("materials", materials);
+        self.harness.scene("materials", materials);
     }
 
     /// Run a snippet over inputs; `emitted` jotons a pass, of the caustic map or the diffuse one.

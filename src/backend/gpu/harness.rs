@@ -12,15 +12,18 @@ use super::tiles::{BINDING_BYTES, TILES_PER_DISPATCH, Tiles};
 use crate::error::Result;
 use crate::estimators::maps::MapKind;
 use crate::film::tile_schedule::TileSchedule;
-use crate::packed::PackedScene;
+use crate::packed::accel::Node;
 use crate::packed::layout::MapInfo;
+use crate::packed::{
+    HeapCounts, HeapLayout, PackedEmitter, PackedMaterial, PackedNormals, PackedScene, PackedTriangle,
+};
 use crate::plan::Plan;
 use crate::plan::buffers::{Buffer, RING_BYTES, area_points_most, area_points_wanted, map_buffers};
 use crate::plan::map_layout::MapLayout;
 use bytemuck::Pod;
 use std::collections::HashMap;
 
-pub use scene_buffers::{encode as encode_direction, is_small};
+pub use scene_buffers::{encode as encode_direction, is_small, pack_normals};
 
 /// How much of a kernel is run.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +42,8 @@ pub struct Harness<'a> {
     buffers: Buffers,
     /// Bytes that were asked for; buffers are rounded up.
     sizes: HashMap<&'static str, usize>,
+    /// Sections of the scene heap, as bytes.
+    heap: HashMap<&'static str, Vec<u8>>,
     ring: Ring,
 }
 
@@ -56,7 +61,7 @@ impl<'a> Harness<'a> {
         let buffer = device_buffers::uniform(context, "tiles", u64::from(BINDING_BYTES));
         context.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tiles));
         buffers.insert("tiles", buffer);
-        Self { context, buffers, sizes: HashMap::new(), ring: Ring::new(context) }
+        Self { context, buffers, sizes: HashMap::new(), heap: HashMap::new(), ring: Ring::new(context) }
     }
 
     /// With the buffers of a scene and its plan.
@@ -67,7 +72,31 @@ impl<'a> Harness<'a> {
         let mut buffers = scene_buffers::upload(context, scene, plan)?;
         let warps = buffers["warps_caustic"].clone();
         buffers.insert("warps", warps);
-        Ok(Self::with_buffers(context, buffers))
+        let mut harness = Self::with_buffers(context, buffers);
+        harness.scene("nodes", &scene.bvh.nodes());
+        harness.scene("triangles", &scene.triangles);
+        let normals: Vec<_> = scene.shading_normals.iter().map(|n| pack_normals(*n)).collect();
+        harness.scene("normals", &normals);
+        harness.scene("materials", &scene.materials);
+        harness.scene("emitters", &scene.emitters);
+        Ok(harness)
+    }
+
+    /// Create (or replace) a section of the scene heap: nodes, triangles, normals, materials or emitters.
+    pub fn scene<T: Pod>(&mut self, section: &'static str, content: &[T]) {
+        self.heap.insert(section, bytemuck::cast_slice(content).to_vec());
+        let bytes_of = |name| self.heap.get(name).map_or(&[][..], |bytes: &Vec<u8>| &bytes[..]);
+        let counts = HeapCounts {
+            nodes: bytes_of("nodes").len() / size_of::<Node>(),
+            triangles: bytes_of("triangles").len() / size_of::<PackedTriangle>(),
+            normals: bytes_of("normals").len() / size_of::<PackedNormals>(),
+            materials: bytes_of("materials").len() / size_of::<PackedMaterial>(),
+            emitters: bytes_of("emitters").len() / size_of::<PackedEmitter>(),
+            lists: 1,
+        };
+        let heap = ["nodes", "triangles", "normals", "materials", "emitters"].map(bytes_of).concat();
+        self.storage("heap", &heap);
+        self.uniform("scene_info", &HeapLayout::new(&counts).info(0));
     }
 
     /// List the tiles of an image, those that rest least first.

@@ -69,8 +69,8 @@ pub struct BoundKernel {
 /// Says among the overrides that the scene lies in uniform buffers; it chooses the text, not a value in it.
 pub(super) const SMALL_SCENE: &str = "SMALL_SCENE";
 
-/// Says among the overrides that the triangles lie in parts, and how large these are.
-pub(super) const TRIANGLES_PART: &str = "TRIANGLES_PART";
+/// Says among the overrides that the heap lies in parts, and how large these are.
+pub(super) const HEAP_PART: &str = "HEAP_PART";
 
 /// Workgroup size of every kernel.
 const WORKGROUP: u32 = 64;
@@ -85,8 +85,8 @@ impl Kernel {
     /// [`Error::Device`] where the shader does not compile.
     pub fn new(context: &Context, path: &str, entry: &str, overrides: &[(&str, f64)]) -> Result<Self> {
         let small_scene = overrides.iter().any(|(name, value)| *name == SMALL_SCENE && *value != 0.0);
-        let split_scene = overrides.iter().any(|(name, _)| *name == TRIANGLES_PART);
-        let variant = Variant { subgroups: context.has_subgroups(), small_scene, split_scene };
+        let split_heap = overrides.iter().any(|(name, _)| *name == HEAP_PART);
+        let variant = Variant { subgroups: context.has_subgroups(), small_scene, split_heap };
         Self::from_source(context, path, &shaders::link(path, variant)?, entry, overrides)
     }
 

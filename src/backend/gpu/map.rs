@@ -102,11 +102,15 @@ impl Map {
         sorted_names: &[(&str, &'static str); 2],
         buffers: &Buffers,
     ) -> Result<Self> {
-        let [tallies, emitters, warps] = match kind {
-            MapKind::Caustic => ["tallies_caustic", "emitters_caustic", "warps_caustic"],
-            MapKind::Diffuse => ["tallies_diffuse", "emitters_diffuse", "warps_diffuse"],
+        let [tallies, info, emitters, warps] = match kind {
+            MapKind::Caustic => {
+                ["tallies_caustic", "scene_info_caustic", "emitters_caustic", "warps_caustic"]
+            }
+            MapKind::Diffuse => {
+                ["tallies_diffuse", "scene_info_diffuse", "emitters_diffuse", "warps_diffuse"]
+            }
         };
-        let names = [("tallies", tallies), ("emitters", emitters), ("warps", warps)];
+        let names = [("tallies", tallies), ("scene_info", info), ("emitters", emitters), ("warps", warps)];
         let scan = |values: &'static str| -> Result<[BoundKernel; 3]> {
             let names = [("values", values)];
             Ok([

@@ -126,7 +126,9 @@ impl GpuBackend {
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let own = |(name, buffer): &(&&'static str, &wgpu::Buffer)| {
             // where nothing was learned there is one list of lights
-            !name.starts_with("emitters_") || **buffer != self.buffers["emitters"]
+            let same =
+                |of: &str| name.starts_with(of) && name.len() > of.len() && **buffer == self.buffers[of];
+            !same("emitters") && !same("scene_info")
         };
         let mut all: Vec<_> =
             self.buffers.iter().filter(own).map(|(name, buffer)| (*name, buffer.size())).collect();

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::device_buffers::Buffers;
-use super::kernel::{BoundKernel, Kernel, Offsets, SMALL_SCENE, TRIANGLES_PART};
+use super::kernel::{BoundKernel, HEAP_PART, Kernel, Offsets, SMALL_SCENE};
 use super::map::{Map, MapKernels};
 use super::recorder::Recorder;
 use super::scene_buffers;
@@ -11,7 +11,7 @@ use crate::estimators::maps::MapKind;
 use crate::film::Layer;
 use crate::packed::PackedScene;
 use crate::packed::layout::{PassInfo, STEP_BUDGET, STEP_BUDGET_HARDWARE};
-use crate::plan::buffers::{is_split, triangles_part};
+use crate::plan::buffers::{heap_layout, heap_part, is_split};
 use crate::plan::map_layout::MapLayouts;
 use crate::plan::{CAUSTIC_FOOTPRINTS, Part, Plan};
 
@@ -51,8 +51,8 @@ impl Kernels {
                 f64::from(if context.is_software() { STEP_BUDGET } else { STEP_BUDGET_HARDWARE }),
             ),
         ];
-        if is_split(scene, &context.machine()) {
-            features.push((TRIANGLES_PART, f64::from(triangles_part(&context.machine()))));
+        if is_split(heap_layout(scene, plan).bytes(), &context.machine()) {
+            features.push((HEAP_PART, f64::from(heap_part(&context.machine()))));
         }
         let compile = |path: &str| Kernel::new(context, path, "main", &features);
         let with = |path: &str, caustic: bool| {
@@ -199,7 +199,10 @@ impl PassGraph {
                 }),
                 None => None,
             },
-            direct: optional(&kernels.direct, &[("emitters", "emitters_direct")])?,
+            direct: optional(
+                &kernels.direct,
+                &[("emitters", "emitters_direct"), ("scene_info", "scene_info_direct")],
+            )?,
             kernel_correction: optional(&kernels.kernel_correction, &[])?,
             clip_planes: optional(&kernels.clip_planes, &[])?,
             maps,

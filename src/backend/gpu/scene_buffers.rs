@@ -5,9 +5,14 @@ use super::device_buffers::{Buffers, STORAGE, UNIFORM, buffer};
 use crate::error::{Error, Result};
 use crate::film::paths::LightPaths;
 use crate::packed::layout::{AreaPoint, PathFilter};
-use crate::packed::{Guide, MAX_TARGETS, MAX_WARPS, PackedScene, Target, VISIBLE_CELL_WORDS, WARP_WORDS};
+use crate::packed::{
+    Guide, HEAP_WORD, MAX_TARGETS, MAX_WARPS, PackedNormals, PackedScene, Target, VISIBLE_CELL_WORDS,
+    WARP_WORDS,
+};
 use crate::plan::Plan;
-use crate::plan::buffers::{Buffer, TRIANGLES, triangles_part_bytes};
+use crate::plan::buffers::{
+    Buffer, HEAP, SCENE_INFOS, SMALL_EMITTER_LISTS, heap_layout, heap_part_bytes, list_numbers,
+};
 use glam::{Vec2, Vec3};
 
 /// Upload a scene.
@@ -15,58 +20,99 @@ use glam::{Vec2, Vec3};
 /// # Errors
 /// [`crate::Error::Capacity`] where it does not fit.
 pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Buffers> {
-    let nodes = scene.bvh.nodes();
-    let normals: Vec<[u32; 4]> =
-        scene.shading_normals.iter().map(|n| [encode(n[0]), encode(n[1]), encode(n[2]), 0]).collect();
     let mut targets = [Target { center: Vec3::ZERO, radius: 0.0 }; MAX_TARGETS];
     targets[..scene.targets.len()].copy_from_slice(&scene.targets);
     let guides = &plan.guides;
     let [warps_caustic, warps_diffuse] = [&guides.caustic, &guides.diffuse].map(warp_words);
     let visible_cells = plan.visible_cells.as_ref().map_or(&[0; VISIBLE_CELL_WORDS][..], |m| m.words());
     let filter = path_filter(&plan.settings.paths);
-    let contents: [(&str, &[u8]); 13] = [
+    let layout = heap_layout(scene, plan);
+    let infos = list_numbers(plan).map(|list| layout.info(list));
+    let nodes = scene.bvh.nodes();
+    let emitters = [
+        &scene.emitters[..],
+        guides.direct.emitters(&scene.emitters),
+        guides.caustic.emitters(&scene.emitters),
+        guides.diffuse.emitters(&scene.emitters),
+    ];
+    let mut contents: Vec<(&str, &[u8])> = vec![
         ("nodes", bytemuck::cast_slice(&nodes)),
         ("triangles", bytemuck::cast_slice(&scene.triangles)),
-        ("shading_normals", bytemuck::cast_slice(&normals)),
         ("materials", bytemuck::cast_slice(&scene.materials)),
-        ("emitters", bytemuck::cast_slice(&scene.emitters)),
-        ("emitters_direct", bytemuck::cast_slice(guides.direct.emitters(&scene.emitters))),
-        ("emitters_caustic", bytemuck::cast_slice(guides.caustic.emitters(&scene.emitters))),
-        ("emitters_diffuse", bytemuck::cast_slice(guides.diffuse.emitters(&scene.emitters))),
         ("targets", bytemuck::bytes_of(&targets)),
         ("path_filter", bytemuck::bytes_of(&filter)),
         ("warps_caustic", bytemuck::cast_slice(&warps_caustic)),
         ("warps_diffuse", bytemuck::cast_slice(&warps_diffuse)),
         ("visible_cells", bytemuck::cast_slice(visible_cells)),
     ];
+    contents.extend(SCENE_INFOS.into_iter().zip(infos.iter().map(bytemuck::bytes_of)));
+    contents.extend(SMALL_EMITTER_LISTS.into_iter().zip(emitters.map(bytemuck::cast_slice)));
     let wanted = crate::plan::buffers::scene_buffers(scene, plan, &context.machine());
     check_capacity(context, &wanted)?;
-    let small = is_small(context, scene);
     let mut buffers = Buffers::new();
     for Buffer { name, bytes, .. } in wanted {
-        let usage = match name {
-            "targets" | "path_filter" | "warps_caustic" | "warps_diffuse" | "visible_cells" | "tiles"
-            | "ring" => UNIFORM,
-            "shading_normals" => STORAGE,
-            _ if small => UNIFORM | STORAGE,
-            _ => STORAGE,
-        };
+        let usage = if HEAP.contains(&name) { STORAGE } else { UNIFORM };
         let buffer = buffer(context, name, bytes, usage);
-        let part = TRIANGLES.iter().position(|n| *n == name).unwrap_or(0);
-        let whole = if part > 0 { TRIANGLES[0] } else { name };
-        if let Some((_, content)) = contents.iter().find(|(n, _)| *n == whole) {
-            let from = (part as u64 * triangles_part_bytes(&context.machine())).min(content.len() as u64);
-            let rest = &content[from as usize..];
-            context.queue.write_buffer(&buffer, 0, &rest[..rest.len().min(bytes as usize)]);
+        if let Some((_, content)) = contents.iter().find(|(n, _)| *n == name) {
+            context.queue.write_buffer(&buffer, 0, content);
         }
         buffers.insert(name, buffer);
     }
-    for name in ["emitters_direct", "emitters_caustic", "emitters_diffuse"] {
-        let emitters = buffers["emitters"].clone();
-        buffers.entry(name).or_insert(emitters);
+    // a list that is not there is the first
+    for names in [SCENE_INFOS, SMALL_EMITTER_LISTS] {
+        if let Some(first) = buffers.get(names[0]).cloned() {
+            for name in names {
+                buffers.entry(name).or_insert_with(|| first.clone());
+            }
+        }
+    }
+    let mut heap = HeapWriter { context, buffers: &buffers, part: heap_part_bytes(&context.machine()) };
+    heap.write(infos[0].nodes, &nodes);
+    heap.write(infos[0].triangles, &scene.triangles);
+    heap.write(infos[0].materials, &scene.materials);
+    for (info, list) in infos.iter().zip(emitters) {
+        heap.write(info.emitters, list);
+    }
+    for (i, normals) in scene.shading_normals.chunks(NORMALS_AT_ONCE).enumerate() {
+        let packed: Vec<PackedNormals> = normals.iter().map(|n| pack_normals(*n)).collect();
+        heap.write(infos[0].normals + (i * NORMALS_AT_ONCE) as u32, &packed);
     }
     context.check()?;
     Ok(buffers)
+}
+
+/// Shading normals that are encoded together.
+const NORMALS_AT_ONCE: usize = 1 << 16;
+
+/// Shading normals of a triangle's corners as the kernels read them.
+pub fn pack_normals(normals: [Vec3; 3]) -> PackedNormals {
+    let [a, b, c] = normals.map(encode);
+    [a, b, c, 0]
+}
+
+/// Writes sections of the heap, whether it lies in one buffer or in several.
+struct HeapWriter<'a> {
+    context: &'a Context,
+    buffers: &'a Buffers,
+    /// Bytes of a part.
+    part: u64,
+}
+
+impl HeapWriter<'_> {
+    /// Write a section from word `first` on.
+    fn write<T: bytemuck::Pod>(&mut self, first: u32, section: &[T]) {
+        let mut rest: &[u8] = bytemuck::cast_slice(section);
+        let mut at = u64::from(first) * HEAP_WORD;
+        let parts = HEAP.iter().filter_map(|name| self.buffers.get(name)).collect::<Vec<_>>();
+        while !rest.is_empty() {
+            let (number, from) = if parts.len() > 1 { (at / self.part, at % self.part) } else { (0, at) };
+            let part = parts[(number as usize).min(parts.len() - 1)];
+            let here = (part.size() - from).min(rest.len() as u64);
+            self.context.queue.write_buffer(part, from, &rest[..here as usize]);
+            rest = &rest[here as usize..];
+            at += here;
+        }
+    }
 }
 
 /// The warps of a guide as the kernels read them; zeros where there are fewer.

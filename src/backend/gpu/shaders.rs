@@ -58,8 +58,9 @@ sources![
     "maps/lanes_alone.wgsl",
     "scene/scene.wgsl",
     "scene/scene_small.wgsl",
-    "scene/triangles.wgsl",
-    "scene/triangles_split.wgsl",
+    "scene/records.wgsl",
+    "scene/heap.wgsl",
+    "scene/heap_split.wgsl",
     "scene/features.wgsl",
 ];
 
@@ -70,8 +71,8 @@ pub struct Variant {
     pub subgroups: bool,
     /// The scene lies in uniform buffers.
     pub small_scene: bool,
-    /// The triangles are more than one binding holds.
-    pub split_scene: bool,
+    /// The heap is more than one binding holds.
+    pub split_heap: bool,
 }
 
 /// A kernel file with everything it imports and the shared structs.
@@ -79,27 +80,26 @@ pub struct Variant {
 /// # Errors
 /// [`Error::Device`] where an import names no file.
 pub fn link(path: &str, variant: Variant) -> Result<String> {
-    let mut linked = link_source(find(path)?)?;
-    for (wanted, file, other) in [
-        (!variant.subgroups, "maps/lanes.wgsl", "maps/lanes_alone.wgsl"),
-        (variant.small_scene, "scene/scene.wgsl", "scene/scene_small.wgsl"),
-        (variant.split_scene, "scene/triangles.wgsl", "scene/triangles_split.wgsl"),
-    ] {
-        if wanted {
-            linked = linked.replace(find(file)?, find(other)?);
-        }
-    }
-    Ok(linked)
+    link_source(find(path)?, variant)
 }
 
 /// Like [`link`], for a text that is no file (tests of shared functions).
 ///
 /// # Errors
 /// [`Error::Device`] where an import names no file.
-pub fn link_source(text: &str) -> Result<String> {
+pub fn link_source(text: &str, variant: Variant) -> Result<String> {
     let mut linked = layout::declarations();
     let mut done: Vec<&str> = Vec::new();
     append(text, &mut linked, &mut done)?;
+    for (wanted, file, other) in [
+        (!variant.subgroups, "maps/lanes.wgsl", "maps/lanes_alone.wgsl"),
+        (variant.small_scene, "scene/scene.wgsl", "scene/scene_small.wgsl"),
+        (variant.split_heap, "scene/heap.wgsl", "scene/heap_split.wgsl"),
+    ] {
+        if wanted {
+            linked = linked.replace(find(file)?, find(other)?);
+        }
+    }
     Ok(linked)
 }
 
