@@ -10,9 +10,11 @@
 // import: scene/scene.wgsl
 // import: accel/intersect.wgsl
 // import: shading/surface.wgsl
-// import: shading/bsdf.wgsl
+// import: shading/material.wgsl
+// import: shading/lobes.wgsl
 // import: lights/emitter.wgsl
 // import: lights/reservoir.wgsl
+// import: paths/gather_point.wgsl
 // import: paths/paths.wgsl
 
 @group(1) @binding(0) var<uniform> path_filter: PathFilter;
@@ -77,7 +79,7 @@ fn near_emitter(p: vec3<f32>) -> bool {
 
 // Light that a direction of the D lobes finds, with its share of the weight.
 fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> Bands {
-    let wi = sample_brdf(m, n, wo, u);
+    let wi = sample_scatter(m, n, wo, u);
     let cos_receiver = dot(wi, n);
     if cos_receiver <= 0.0 || dot(wi, geometric) <= 0.0 {
         return Bands(0.0);
@@ -94,7 +96,7 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
     let e = emitter_at(t.emitter);
     let pdf_light = f32(pass_info.light_candidates) * e.pick * hit.t * hit.t / (e.area * -dot(wi, front));
     // f Le cos / pdf · pdf / (pdf + pdf_light)
-    return eval_brdf(m, n, wi, wo) * e.strength * (cos_receiver / (pdf_brdf(m, n, wi, wo) + pdf_light));
+    return eval_scatter(m, n, wi, wo) * e.strength * (cos_receiver / (pdf_scatter(m, n, wi, wo) + pdf_light));
 }
 
 @compute @workgroup_size(64)
@@ -105,17 +107,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let point = gather_points[held(pixel)];
-    let chain = (point.surface >> 24u) & 63u;
+    let chain = chain_of(point);
     if max_band(point.throughput) <= 0.0
         || (HAS_PATH_FILTER && !path_wanted(path_step(PATH_START, EVENT_D), chain)) {
         return;
     }
-    let m = material_at(point.surface & 0xffffffu);
+    let m = material_of_point(point);
     let geometric = decode_direction(point.normal);
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
     let origin = point.position;
-    let shared_weight = (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || near_emitter(point.position);
+    let shared_weight = does_vary(m) || near_emitter(point.position);
     let sample = sequence_index(index);
     var sum = Bands(0.0);
     var rays = 0u;
@@ -139,9 +141,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 var weight = cos_receiver;
                 if shared_weight && light.pdf > 0.0 {
                     let pdf = candidates * light.pdf;
-                    weight *= pdf / (pdf + pdf_brdf(m, shading, light.wi, wo));
+                    weight *= pdf / (pdf + pdf_scatter(m, shading, light.wi, wo));
                 }
-                var f = eval_brdf(m, shading, light.wi, wo);
+                var f = eval_scatter(m, shading, light.wi, wo);
                 if light.pdf <= 0.0 {
                     // what has an area is met where the lobe is followed
                     f += eval_narrow(m, shading, light.wi, wo);

@@ -9,8 +9,8 @@
 // import: scene/scene.wgsl
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
-// import: shading/scatter.wgsl
 // import: camera/camera.wgsl
+// import: paths/gather_point.wgsl
 // import: paths/survival.wgsl
 // import: paths/paths.wgsl
 // import: paths/splits.wgsl
@@ -20,8 +20,6 @@
 @group(1) @binding(1) var<storage, read_write> gather_points: array<GatherPoint>;
 @group(1) @binding(2) var<storage, read_write> film_emission: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
-
-const CHAIN_MAX: u32 = 63u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -54,19 +52,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         path_length += hit.t;
         let s = surface_at(hit);
-        let m = material_at(s.material);
-        let from_front = dot(direction, s.front) < 0.0;
-        if (m.flag_bits & EMISSIVE) != 0u && from_front
-            && (!HAS_PATH_FILTER || path_wanted(PATH_START, events)) {
-            emission += throughput * m.emission * weight_of_eye(splits, trees);
+        let b = bsdf_at(s, direction);
+        if !HAS_PATH_FILTER || path_wanted(PATH_START, events) {
+            emission += throughput * emission_at(b) * weight_of_eye(splits, trees);
         }
-        let toward_eye = select(-1.0, 1.0, from_front);
-        let geometric = s.front * toward_eye;
-        let shading = facing_normal(s, direction, geometric);
-        let reflectance = dielectric_reflectance(m, shading, direction, from_front);
-        let c = event_probabilities(m, throughput, reflectance);
-        let scatter = c.diffuse + c.glossy;
-        let kept = scatter + c.mirror + c.reflect + c.transmit;
+        let weights = weights_at(b, throughput);
+        let followed = delta_weight(weights);
+        let kept = scatter_weight(weights) + followed;
         if kept <= 0.0 {
             break;
         }
@@ -75,36 +67,29 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if events < 2u {
             choice = select(choices.y, choices.x, events == 0u);
         }
-        // lights without area are seen in a narrow lobe only from a path that stops there
-        let stop = select(scatter, max(scatter, NARROW_STOPS * c.mirror), is_narrow(m));
-        let ways = stop + c.mirror + c.reflect + c.transmit;
+        let stop = stop_weight(b.material, weights);
+        let ways = stop + followed;
         choice *= ways;
         if choice < stop {
-            let back = select(BACK_SIDE, 0u, from_front);
             point = GatherPoint(
-                s.position + geometric * s.lift, s.material | (min(events, CHAIN_MAX) << 24u) | back,
+                s.position + b.geometric * s.lift, gather_surface(s.material, events, b.from_front),
                 throughput * (ways / stop), path_length,
-                encode_direction(geometric), encode_direction(shading), encode_direction(-direction), level,
+                encode_direction(b.geometric), encode_direction(b.shading), encode_direction(-direction), level,
             );
             break;
         }
-        var event = EVENT_MIRROR;
-        if HAS_DIELECTRIC && choice >= stop + c.mirror {
-            event = select(EVENT_TRANSMIT, EVENT_REFLECT, choice < stop + c.mirror + c.reflect);
-        }
-        let next = specular_scatter(m, event, direction, geometric, shading, from_front, random.yz);
+        let lobe = chosen_delta(weights, choice - stop);
+        let next = sample_delta_at(b, lobe, random.yz);
         // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
         // a path that goes on, where it ends as a joton's does [E3].
         let survives = survival(events, kept, CAMERA_STEPS);
-        if !next.alive || random.w >= survives {
+        if next.weight <= 0.0 || random.w >= survives {
             break;
         }
-        // [E9] radiance scales with the square of the index; flux does not
-        let radiance_scale = select(1.0, next.eta_it * next.eta_it, event == EVENT_TRANSMIT);
-        throughput *= event_reflectance(m, event, reflectance) * (ways / (survives * event_chance(c, event)) * radiance_scale);
-        splits = splits_after(splits, c, event);
+        throughput *= albedo_at(b, lobe) * (ways / (survives * weight_of(weights, lobe)) * next.radiance_scale);
+        splits = splits_after(splits, weights, lobe);
         direction = next.direction;
-        start = departure(s, direction, from_front);
+        start = departure(s, direction, b.from_front);
         events += 1u;
         if steps > CAMERA_STEPS {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);

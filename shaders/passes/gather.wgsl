@@ -10,7 +10,9 @@
 // import: maps/grid.wgsl
 // import: maps/lanes.wgsl
 // import: maps/clip_planes.wgsl
-// import: shading/bsdf.wgsl
+// import: shading/material.wgsl
+// import: shading/lobes.wgsl
+// import: paths/gather_point.wgsl
 // import: paths/paths.wgsl
 
 override CAUSTIC: bool = false;
@@ -42,9 +44,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if CAUSTIC {
         r = min(r, fit.x * sqrt(map_info.shrink));
     }
-    let m = material_at(point.surface & 0xffffffu);
-    let is_glossy = HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u;
-    let chain = (point.surface >> 24u) & 63u;
+    let m = material_of_point(point);
+    let varies = does_vary(m);
+    let chain = chain_of(point);
     let normal = decode_direction(point.normal);
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
@@ -90,9 +92,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                     && dot(n, normal) > 127.0 * GATHER_NORMAL_COS
                     && is_before(first_wall, joton.xyz) && is_before(second_wall, joton.xyz)
                     && (!HAS_PATH_FILTER || path_wanted(bitcast<u32>(joton.w) >> 24u, chain)) {
-                    if is_glossy {
+                    if varies {
                         let wi = decode_direction(sorted_jotons[first + k].wi);
-                        flux *= eval_brdf(m, shading, wi, wo);
+                        flux *= eval_scatter(m, shading, wi, wo);
                     }
                     if CAUSTIC {
                         sum += flux;
@@ -115,8 +117,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let kept = kept_share(first_wall, point.position, r) * kept_share(second_wall, point.position, r);
         sum /= PI * r * r * max(kept, CLIP_KEPT_MIN);
     }
-    if !is_glossy {
-        sum *= m.diffuse / PI;
+    if !varies {
+        sum *= eval_scatter(m, shading, wo, wo);
     }
     film[at] += vec4(point.throughput * sum, 0.0);
 }

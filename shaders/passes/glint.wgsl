@@ -10,7 +10,6 @@
 // import: scene/scene.wgsl
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
-// import: shading/scatter.wgsl
 // import: camera/camera.wgsl
 // import: paths/survival.wgsl
 // import: paths/paths.wgsl
@@ -90,33 +89,28 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
             continue;
         }
         let s = surface_at(hit);
-        let m = material_at(s.material);
-        let from_front = dot(way.direction, s.front) < 0.0;
-        if (m.flag_bits & EMISSIVE) != 0u && from_front
-            && (pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events)) {
-            found.emission += way.throughput * m.emission * select(weight_of_tree(way.splits, trees), 1.0, pilot);
+        let b = bsdf_at(s, way.direction);
+        let light = emission_at(b);
+        if max_band(light) > 0.0 && (pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events)) {
+            found.emission += way.throughput * light * select(weight_of_tree(way.splits, trees), 1.0, pilot);
             found.direct = way.events == 0u;
         }
-        let geometric = s.front * select(-1.0, 1.0, from_front);
-        let shading = facing_normal(s, way.direction, geometric);
-        let reflectance = dielectric_reflectance(m, shading, way.direction, from_front);
-        let c = event_probabilities(m, way.throughput, reflectance);
-        let specular = c.mirror + c.reflect + c.transmit;
-        if specular <= 0.0 {
+        let weights = weights_at(b, way.throughput);
+        let followed = delta_weight(weights);
+        if followed <= 0.0 {
             continue;
         }
         found.direct = false;
         let random = random4(seed, number.x, pixel, DIMENSION_GLINT + node);
         node += 1u;
-        // nothing is scattered or absorbed by chance here: only specular events lead to light
-        let both = HAS_DIELECTRIC && !alone && takes_both(way.splits, c);
-        let reflects = select(random.x * specular < c.reflect, c.reflect <= c.transmit, both);
-        let event = select(select(EVENT_TRANSMIT, EVENT_REFLECT, reflects), EVENT_MIRROR, c.mirror > 0.0);
-        let greater = select(EVENT_REFLECT, EVENT_TRANSMIT, reflects);
+        // nothing is scattered or absorbed by chance here: only delta lobes lead to light
+        let both = HAS_DIELECTRIC && !alone && takes_both(way.splits, weights);
+        let pair = interface_lobes(weights);
+        let lobe = select(chosen_delta(weights, random.x * followed), pair.lesser, both);
         var next: Next;
         // one call for both: it is most of what there is to compile
         for (var left = select(1u, 2u, both); left > 0u; left -= 1u) {
-            next = after(way, s, m, c, reflectance, select(event, greater, left == 2u), geometric, shading, from_front, random.yz);
+            next = after(way, s, b, weights, select(lobe, pair.greater, left == 2u), random.yz);
             if left == 2u && next.alive {
                 // the greater waits: so many are never waiting
                 waiting[waits] = next.way;
@@ -124,14 +118,14 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
             }
         }
         found.branched = found.branched || both;
-        let taken = event_chance(c, event);
-        let survives = survival(way.events, select(specular, taken, both), budget);
+        let taken = weight_of(weights, lobe);
+        let survives = survival(way.events, select(followed, taken, both), budget);
         if !next.alive || random.w >= survives {
             continue;
         }
         alive = true;
         way = next.way;
-        way.throughput *= select(specular / taken, 1.0, both) / survives;
+        way.throughput *= select(followed / taken, 1.0, both) / survives;
         if steps > budget {
             atomicAdd(&status[STATUS_TRUNCATED], 1u);
             break;
@@ -145,19 +139,14 @@ struct Next {
     alive: bool,
 }
 
-// What of a way goes on after an event; not divided by the chance to take it.
-fn after(
-    way: Way, s: Surface, m: PackedMaterial, c: EventProbabilities, reflectance: f32, event: u32,
-    geometric: vec3<f32>, shading: vec3<f32>, from_front: bool, u: vec2<f32>,
-) -> Next {
-    let scattered = specular_scatter(m, event, way.direction, geometric, shading, from_front, u);
-    // [E9] radiance scales with the square of the index; flux does not
-    let radiance_scale = select(1.0, scattered.eta_it * scattered.eta_it, event == EVENT_TRANSMIT);
-    let d = scattered.direction;
-    let start = departure(s, d, from_front);
-    let throughput = way.throughput * event_reflectance(m, event, reflectance) * radiance_scale;
-    let next = Way(start.origin, way.events + 1u, d, splits_after(way.splits, c, event), throughput, start.t_back);
-    return Next(next, scattered.alive && max_band(throughput) > 0.0);
+// What of a way goes on by a lobe; not divided by the chance to take it.
+fn after(way: Way, s: Surface, b: Bsdf, weights: LobeWeights, lobe: u32, u: vec2<f32>) -> Next {
+    let sample = sample_delta_at(b, lobe, u);
+    let start = departure(s, sample.direction, b.from_front);
+    let throughput = way.throughput * albedo_at(b, lobe) * sample.radiance_scale;
+    let splits = splits_after(way.splits, weights, lobe);
+    let next = Way(start.origin, way.events + 1u, sample.direction, splits, throughput, start.t_back);
+    return Next(next, sample.weight > 0.0 && max_band(throughput) > 0.0);
 }
 
 @compute @workgroup_size(64)

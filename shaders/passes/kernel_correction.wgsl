@@ -9,6 +9,7 @@
 // import: maps/grid.wgsl
 // import: maps/lanes.wgsl
 // import: maps/clip_planes.wgsl
+// import: paths/gather_point.wgsl
 
 @group(0) @binding(0) var<uniform> pass_info: PassInfo;
 @group(0) @binding(1) var<uniform> map_info: MapInfo;
@@ -54,7 +55,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let pilot = own(pass_info.pass_index) == PILOT_PASS;
     let r = map_info.radius * select(1.0, PILOT_REACH, pilot);
     let disc = PI * r * r;
-    let direct_view = ((point.surface >> 24u) & 63u) == 0u;
+    let direct_view = chain_of(point) == 0u;
     let normal = decode_direction(point.normal);
     // lanes with nothing to solve go along and find nothing
     var is_here = is_pixel && max(point.throughput.x, max(point.throughput.y, point.throughput.z)) > 0.0;

@@ -9,7 +9,6 @@
 // import: scene/scene.wgsl
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
-// import: shading/scatter.wgsl
 // import: lights/emitter.wgsl
 // import: lights/emit.wgsl
 // import: paths/path_state.wgsl
@@ -82,17 +81,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             continue;
         }
         let s = surface_at(hit);
-        let m = material_at(s.material);
-        let from_front = dot(lane.direction, s.front) < 0.0;
-        let geometric = s.front * select(-1.0, 1.0, from_front);
-        let shading = facing_normal(s, lane.direction, geometric);
+        let b = bsdf_at(s, lane.direction);
         let wi = -lane.direction;
         // [E11] jotons see shading normals through their adjoint
         var adjoint_in = 1.0;
         if HAS_SMOOTH && s.is_smooth {
-            adjoint_in = min(ADJOINT_MAX, dot(wi, shading) / max(1e-6, dot(wi, geometric)));
+            adjoint_in = min(ADJOINT_MAX, dot(wi, b.shading) / max(1e-6, dot(wi, b.geometric)));
         }
-        let scatters = (m.flag_bits & (DIFFUSE | GLOSSY)) != 0u;
+        let scatters = does_scatter(b.material);
         let wanted = select((lane.status & LANE_MET_DIFFUSE) != 0u, (lane.status & LANE_MET_SPECULAR) != 0u, CAUSTIC);
         // [E23] of the jotons that the camera does not look at a few stand for all
         let unseen = HAS_VISIBLE_CELLS && !CAUSTIC && scatters && wanted && !is_marked(s.position);
@@ -109,54 +105,37 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                     state = path_step(lane.status & 31u, EVENT_D);
                 }
                 jotons[region + lane.stored] = Joton(
-                    s.position, encode_normal24(geometric) | (state << 24u), lane.flux * (adjoint_in * counts_as),
+                    s.position, encode_normal24(b.geometric) | (state << 24u), lane.flux * (adjoint_in * counts_as),
                     encode_direction(wi),
                 );
             }
             lane.stored += 1u;
         }
 
-        let reflectance = dielectric_reflectance(m, shading, lane.direction, from_front);
         let events = lane.status / LANE_EVENT;
-        let c = roulette_probabilities(m, lane.flux, reflectance, events);
+        let weights = roulette_at(b, lane.flux, events);
         let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
-        let event = chosen_event(c, random.x);
-        let kept = m.diffuse + m.glossy + select(m.specular, m.specular * reflectance + m.transmission * (1.0 - reflectance),
-            (m.flag_bits & DIELECTRIC) != 0u);
-        tally.absorbed += lane.flux * (1.0 - kept);
-        let is_scatter = event == EVENT_DIFFUSE || event == EVENT_GLOSSY;
-        if event == EVENT_ABSORB || (CAUSTIC && is_scatter) {
+        let lobe = chosen_lobe(weights, random.x);
+        tally.absorbed += lane.flux * (1.0 - total_albedo(b.material, b.reflectance));
+        if lobe == LOBE_NONE || (CAUSTIC && !is_delta(lobe)) {
             lane.status = 0u;
             continue;
         }
-        lane.flux *= event_reflectance(m, event, reflectance) / event_chance(c, event);
-        // what the sampled direction carries of it: the rest is absorbed, so that the balance is exact in expectation
-        var carried = 1.0;
-        if is_scatter {
-            var d: vec3<f32>;
-            if event == EVENT_DIFFUSE {
-                d = normalize(basis(shading) * sample_cosine_hemisphere(random.yz));
-            } else {
-                d = basis(normalize(reflect(lane.direction, shading))) * sample_phong_lobe(random.yz, m.glossy_exponent);
-                d = normalize(d);
-                carried = (m.glossy_exponent + 2.0) / (m.glossy_exponent + 1.0) * max(0.0, dot(d, shading));
-            }
-            if HAS_SMOOTH && s.is_smooth {
-                carried *= min(ADJOINT_MAX, adjoint_in * dot(d, geometric) / max(1e-6, dot(d, shading)));
-            }
-            carried = select(0.0, carried, dot(d, geometric) > 0.0);
-            lane.direction = d;
-            lane.status |= LANE_MET_DIFFUSE;
+        lane.flux *= albedo_at(b, lobe) / weight_of(weights, lobe);
+        var next: LobeSample;
+        if CAUSTIC {
+            next = sample_delta_at(b, lobe, random.yz);
         } else {
-            let next = specular_scatter(m, event, lane.direction, geometric, shading, from_front, random.yz);
-            carried = select(0.0, 1.0, next.alive);
-            if HAS_SMOOTH && s.is_smooth {
-                let out = abs(dot(next.direction, geometric)) / max(1e-6, abs(dot(next.direction, shading)));
-                carried *= min(ADJOINT_MAX, adjoint_in * out);
-            }
-            lane.direction = next.direction;
-            lane.status |= LANE_MET_SPECULAR;
+            next = sample_at(b, lobe, random.yz);
         }
+        // what the sampled direction carries of it: the rest is absorbed, so that the balance is exact in expectation
+        var carried = next.weight;
+        if HAS_SMOOTH && s.is_smooth {
+            let out = abs(dot(next.direction, b.geometric)) / max(1e-6, abs(dot(next.direction, b.shading)));
+            carried *= min(ADJOINT_MAX, adjoint_in * out);
+        }
+        lane.direction = next.direction;
+        lane.status |= select(LANE_MET_DIFFUSE, LANE_MET_SPECULAR, is_delta(lobe));
         tally.absorbed += lane.flux * (1.0 - carried);
         lane.flux *= carried;
         if max_band(lane.flux) <= 0.0 {
@@ -165,13 +144,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         if HAS_PATH_FILTER {
             lane.status = (lane.status & ~31u)
-                | path_step(lane.status & 31u, select(EVENT_S, EVENT_D, is_scatter));
+                | path_step(lane.status & 31u, select(EVENT_D, EVENT_S, is_delta(lobe)));
             if CAUSTIC && (lane.status & 31u) == PATH_DEAD {
                 lane.status = 0u;
                 continue;
             }
         }
-        let start = departure(s, lane.direction, from_front);
+        let start = departure(s, lane.direction, b.from_front);
         lane.origin = start.origin;
         lane.t_back = start.t_back;
         lane.status += LANE_EVENT;

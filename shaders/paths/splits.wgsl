@@ -1,6 +1,6 @@
 // Splits: where a camera tree takes both ways, and how likely an eye path is to go where a tree goes anyway [E25].
 // Twin: src/backend/cpu/splits.rs.
-// import: shading/bsdf.wgsl
+// import: shading/lobes.wgsl
 
 struct Splits {
     // Flux kept so far of all that set out.
@@ -9,9 +9,22 @@ struct Splits {
     chance: f32,
 }
 
-// Whether a tree takes both ways at a boundary.
-fn takes_both(s: Splits, c: EventProbabilities) -> bool {
-    return min(c.reflect, c.transmit) * s.share >= SPLIT_MIN;
+// The lobes of an interface by what they keep.
+struct InterfaceLobes {
+    lesser: u32,
+    greater: u32,
+}
+
+fn interface_lobes(w: LobeWeights) -> InterfaceLobes {
+    let reflects_less = w.reflection <= w.transmission;
+    return InterfaceLobes(
+        select(LOBE_TRANSMISSION, LOBE_REFLECTION, reflects_less), select(LOBE_REFLECTION, LOBE_TRANSMISSION, reflects_less),
+    );
+}
+
+// Whether a tree takes both ways at an interface.
+fn takes_both(s: Splits, w: LobeWeights) -> bool {
+    return min(w.reflection, w.transmission) * s.share >= SPLIT_MIN;
 }
 
 // Weight of the emission that an eye path meets, beside so many trees a pass: the balance heuristic.
@@ -24,12 +37,10 @@ fn weight_of_tree(s: Splits, trees: f32) -> f32 {
     return 1.0 / (s.chance + trees);
 }
 
-// After an event with these chances.
-fn splits_after(s: Splits, c: EventProbabilities, event: u32) -> Splits {
-    let kept = c.diffuse + c.glossy + c.mirror + c.reflect + c.transmit;
-    if event == EVENT_MIRROR || takes_both(s, c) {
-        let taken = event_chance(c, event);
-        return Splits(s.share * taken, s.chance * taken / kept);
-    }
-    return Splits(s.share * kept, s.chance);
+// After a delta lobe that was taken where all have these weights. Where a tree takes one way only, it picks among the delta lobes as
+// an eye path does.
+fn splits_after(s: Splits, w: LobeWeights, lobe: u32) -> Splits {
+    let followed = delta_weight(w);
+    let taken = select(followed, weight_of(w, lobe), takes_both(s, w));
+    return Splits(s.share * taken, s.chance * taken / (scatter_weight(w) + followed));
 }

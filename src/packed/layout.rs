@@ -194,6 +194,8 @@ pub const SPLIT_MIN: f32 = 1.0 / 64.0;
 /// Ways of a tree that wait for others, at most: each is at least twice as much as all that is followed before it.
 pub const WAITING_MAX: u32 = 7;
 
+/// Bits of [`GatherPoint::surface`] that hold the index of the material.
+pub const MATERIAL_MASK: u32 = (1 << 24) - 1;
 /// Bit of [`GatherPoint::surface`].
 pub const BACK_SIDE: u32 = 1 << 30;
 
@@ -479,6 +481,7 @@ pub fn constants() -> String {
     u("VISIBLE_CELL_FACTOR_Z", VISIBLE_CELL_FACTORS[2]);
     u("UNSEEN_STORED", UNSEEN_STORED);
     u("NEAR_EMITTERS_MAX", NEAR_EMITTERS_MAX);
+    u("MATERIAL_MASK", MATERIAL_MASK);
     u("BACK_SIDE", BACK_SIDE);
     u("GLINT_TURNS", GLINT_TURNS);
     u("GLINT_TREES", GLINT_TREES);

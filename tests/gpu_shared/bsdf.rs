@@ -1,4 +1,4 @@
-//! shading/bsdf.wgsl against the laws of Fresnel and Snell in f64, and the lobes against their formulas.
+//! shading/lobes.wgsl against the laws of Fresnel and Snell in f64, and the lobes against their formulas.
 
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row, row3, vec3};
 use crate::device_or_return;
@@ -8,7 +8,7 @@ use joton::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
 use joton::scene::{Dielectric, Material};
 use std::f64::consts::{PI, TAU};
 
-const BSDF: &[&str] = &["scene/features.wgsl", "shading/bsdf.wgsl"];
+const BSDF: &[&str] = &["scene/features.wgsl", "shading/lobes.wgsl"];
 
 /// Reflectance by the amplitudes with angles [E8], in another form than the kernels': tangents and sines.
 fn fresnel_by_angles(cos_i: f64, eta: f64) -> f64 {
@@ -156,8 +156,8 @@ fn brdf_is_lambert_plus_phong() {
         imports: BSDF,
         declarations: MATERIALS,
         code: "let m = materials[u32(in_f(0u).w)];
-            out_f(0u, vec4(eval_brdf(m, in_f(0u).xyz, in_f(1u).xyz, in_f(2u).xyz), 0.0));
-            out_f(1u, vec4(eval_brdf(m, in_f(0u).xyz, in_f(2u).xyz, in_f(1u).xyz), 0.0));",
+            out_f(0u, vec4(eval_scatter(m, in_f(0u).xyz, in_f(1u).xyz, in_f(2u).xyz), 0.0));
+            out_f(1u, vec4(eval_scatter(m, in_f(0u).xyz, in_f(2u).xyz, in_f(1u).xyz), 0.0));",
         overrides: &[],
     };
     let mut harness = with_materials(context, &materials);
@@ -235,10 +235,10 @@ fn narrow_lobes_are_their_formula() {
     }
 }
 
-/// chances are the shares of the flux that events take; those of the roulette are scaled down to one event, and late in a
+/// Weights are the shares of the flux that events take; those of the roulette are scaled down to one event, and late in a
 /// path to a little less: what is drawn must be what the flux is divided by, or coloured lobes lose light.
 #[test]
-fn chances_share_out_the_flux() {
+fn weights_share_out_the_flux() {
     let context = device_or_return!();
     let materials =
         [glossy(20.0), dielectric(), PackedMaterial::new(&Material::matte("matte", [0.2, 0.4, 0.8]))];
@@ -260,11 +260,11 @@ fn chances_share_out_the_flux() {
     let snippet = Snippet {
         imports: BSDF,
         declarations: MATERIALS,
-        code: "let c = event_probabilities(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
-            let r = roulette_probabilities(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x, u32(in_f(1u).y));
-            out_f(0u, vec4(c.diffuse, c.glossy, c.mirror, c.reflect));
-            out_f(1u, vec4(c.transmit, r.transmit, 0.0, 0.0));
-            out_f(2u, vec4(r.diffuse, r.glossy, r.mirror, r.reflect));",
+        code: "let w = lobe_weights(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
+            let r = roulette(w, u32(in_f(1u).y));
+            out_f(0u, vec4(w.lambert, w.phong, w.mirror, w.reflection));
+            out_f(1u, vec4(w.transmission, r.transmission, 0.0, 0.0));
+            out_f(2u, vec4(r.lambert, r.phong, r.mirror, r.reflection));",
         overrides: &[],
     };
     let mut harness = with_materials(context, &materials);
@@ -302,7 +302,7 @@ fn chances_share_out_the_flux() {
     assert!(over > 100, "coloured lobes that ask for more than one event were met {over} times");
 }
 
-/// sample_brdf draws by pdf_brdf: weighted by f cos / pdf its samples integrate to what even directions integrate to.
+/// sample_scatter draws by pdf_scatter: weighted by f cos / pdf its samples integrate to what even directions integrate to.
 #[test]
 fn brdf_samples_follow_their_pdf() {
     let context = device_or_return!();
@@ -322,12 +322,12 @@ fn brdf_samples_follow_their_pdf() {
         let code = format!(
             "let m = materials[{m}]; let n = vec3({:?}, {:?}, {:?}); let wo = vec3({:?}, {:?}, {:?});
             let u = in_f(0u).xyz;
-            let wi = sample_brdf(m, n, wo, u);
-            out_f(0u, vec4(wi, pdf_brdf(m, n, wi, wo)));
-            out_f(1u, vec4(eval_brdf(m, n, wi, wo), 0.0));
+            let wi = sample_scatter(m, n, wo, u);
+            out_f(0u, vec4(wi, pdf_scatter(m, n, wi, wo)));
+            out_f(1u, vec4(eval_scatter(m, n, wi, wo), 0.0));
             let even = basis(n) * sample_cone(u.xy, 1.0);
-            out_f(2u, vec4(even, pdf_brdf(m, n, even, wo)));
-            out_f(3u, vec4(eval_brdf(m, n, even, wo), 0.0));",
+            out_f(2u, vec4(even, pdf_scatter(m, n, even, wo)));
+            out_f(3u, vec4(eval_scatter(m, n, even, wo), 0.0));",
             n.x, n.y, n.z, wo.x, wo.y, wo.z
         );
         let snippet = Snippet { imports: BSDF, declarations: MATERIALS, code: &code, overrides: &[] };

@@ -1,4 +1,4 @@
-//! shading/scatter.wgsl: which normal counts, and where specular events send light.
+//! shading/bsdf.wgsl: which normal counts, and where specular events send light.
 
 use crate::common::scenes::{Builder, glass};
 use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row3, vec3};
@@ -9,7 +9,7 @@ use joton::packed::{PackedMaterial, PackedScene};
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 
-const SCATTER: &[&str] = &["scene/features.wgsl", "scene/scene.wgsl", "shading/scatter.wgsl"];
+const SCATTER: &[&str] = &["scene/features.wgsl", "scene/scene.wgsl", "shading/bsdf.wgsl"];
 
 /// A scene that only serves to fill the bindings.
 fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {
@@ -73,7 +73,7 @@ fn the_normal_that_counts_is_on_the_side_of_the_ray() {
     assert!(kinds.iter().all(|&k| k > 100), "every case is met: {kinds:?}");
 }
 
-/// Mirror, reflection and refraction: directions, and the scale of radiance. The kernels' events are 3, 4 and 5.
+/// Mirror, reflection and refraction: directions, and the scale of radiance. The kernels' lobes are 3, 4 and 5.
 #[test]
 fn specular_events_mirror_and_refract() {
     let context = device_or_return!();
@@ -92,9 +92,9 @@ fn specular_events_mirror_and_refract() {
         }
     }
     let code = "let me = u32(in_f(0u).w); let n = in_f(1u).xyz; let front = in_f(1u).w > 0.5;
-        let s = specular_scatter(material_at(me / 16u), me % 16u, in_f(0u).xyz, n, n, front, in_f(2u).xy);
-        out_f(0u, vec4(s.direction, s.eta_it));
-        out_u(1u, vec4(select(0u, 1u, s.alive),
+        let s = sample_delta(material_at(me / 16u), me % 16u, in_f(0u).xyz, n, n, front, in_f(2u).xy);
+        out_f(0u, vec4(s.direction, s.radiance_scale));
+        out_u(1u, vec4(select(0u, 1u, s.weight > 0.0),
             bitcast<u32>(dielectric_reflectance(material_at(me / 16u), n, in_f(0u).xyz, front)), 0u, 0u));";
     let out: Vec<[Row; 2]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);
     let mut below = 0;
@@ -103,7 +103,7 @@ fn specular_events_mirror_and_refract() {
         let code = floats(i[0])[3] as u32;
         let (material, event) = (code / 16, code % 16);
         let from_front = floats(i[1])[3] > 0.5;
-        let (got, eta, alive) = (dvec3(o), floats(o)[3], flags[0] == 1);
+        let (got, scale, alive) = (dvec3(o), floats(o)[3], flags[0] == 1);
         let mirrored = d - 2.0 * d.dot(n) * n;
         let eta_it = if from_front { 1.0 / 1.5 } else { 1.5 };
         if material == 1 {
@@ -112,7 +112,7 @@ fn specular_events_mirror_and_refract() {
             let reflectance = f32::from_bits(flags[1]);
             assert_eq!(k < -1e-5, reflectance == 1.0 && k < 1e-5 && k < -1e-5, "total where Snell says so");
             if event == 5 {
-                assert!((f64::from(eta) - eta_it).abs() < 1e-6);
+                assert!((f64::from(scale) - eta_it * eta_it).abs() < 1e-6);
                 if k.abs() > 1e-5 {
                     assert_eq!(alive, k > 0.0);
                     let wanted = d * eta_it + n * (eta_it * cos - k.max(0.0).sqrt());
@@ -121,7 +121,7 @@ fn specular_events_mirror_and_refract() {
                 continue;
             }
         }
-        assert_eq!(eta, 1.0);
+        assert_eq!(scale, 1.0);
         if material == 3 {
             // a lobe of exponent 2000 about the mirror direction; what falls below the surface dies
             let z = f64::from(floats(i[2])[0]).powf(1.0 / 2001.0);
@@ -149,9 +149,9 @@ fn panes_bend_nothing() {
         })
         .collect();
     let code = "let d = in_f(0u).xyz; let n = in_f(1u).xyz; let front = in_f(0u).w > 0.5;
-        let s = specular_scatter(material_at(4), EVENT_TRANSMIT, d, n, n, front, vec2(0.5));
-        out_f(0u, vec4(s.direction, s.eta_it));
-        out_f(1u, vec4(dielectric_reflectance(material_at(4), n, d, front), select(0.0, 1.0, s.alive), 0.0, 0.0));";
+        let s = sample_delta(material_at(4), LOBE_TRANSMISSION, d, n, n, front, vec2(0.5));
+        out_f(0u, vec4(s.direction, s.radiance_scale));
+        out_f(1u, vec4(dielectric_reflectance(material_at(4), n, d, front), s.weight, 0.0, 0.0));";
     let out: Vec<[Row; 2]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);
     let mut sides = [0; 2];
     for (i, [o, more]) in inputs.iter().zip(out) {

@@ -69,7 +69,7 @@ fn device_lobes_are_what_they_say() {
             let inputs: Vec<[Row; 1]> = around(wo).grid().map(|(w, _)| [row3(w.as_vec3(), 0.0)]).collect();
             let code = format!(
                 "let m = material_at({i}); let n = {}; let wo = {}; let wi = in_f(0u).xyz;
-                out_f(0u, vec4(pdf_brdf(m, n, wi, wo), eval_brdf(m, n, wi, wo).x, eval_brdf(m, n, wo, wi).x, 0.0));",
+                out_f(0u, vec4(pdf_scatter(m, n, wi, wo), eval_scatter(m, n, wi, wo).x, eval_scatter(m, n, wo, wi).x, 0.0));",
                 wgsl(NORMAL),
                 wgsl(wo)
             );

@@ -10,7 +10,7 @@ use std::sync::Arc;
 const IMPORTS: &[&str] = &[
     "scene/features.wgsl",
     "scene/scene.wgsl",
-    "shading/scatter.wgsl",
+    "shading/bsdf.wgsl",
     "lights/emit.wgsl",
     "camera/camera.wgsl",
 ];

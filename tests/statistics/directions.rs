@@ -154,10 +154,10 @@ fn surface_laws(materials: &[PackedMaterial], rough: usize) -> Vec<Law> {
                 device: if mirror {
                     let (d, n) = (wgsl(-wo), wgsl(NORMAL));
                     format!(
-                        "specular_scatter(material_at({i}), EVENT_MIRROR, {d}, {n}, {n}, true, u.xy).direction"
+                        "sample_delta(material_at({i}), LOBE_MIRROR, {d}, {n}, {n}, true, u.xy).direction"
                     )
                 } else {
-                    format!("sample_brdf(material_at({i}), {}, {}, u.xyz)", wgsl(NORMAL), wgsl(wo))
+                    format!("sample_scatter(material_at({i}), {}, {}, u.xyz)", wgsl(NORMAL), wgsl(wo))
                 },
             });
         }

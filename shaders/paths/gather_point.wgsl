@@ -1,0 +1,13 @@
+// What a gather point says in one word: material, specular events on the way from the eye, side.
+
+const CHAIN_MAX: u32 = 63u;
+const CHAIN_SHIFT: u32 = 24u;
+
+fn gather_surface(material: u32, chain: u32, from_front: bool) -> u32 {
+    return material | (min(chain, CHAIN_MAX) << CHAIN_SHIFT) | select(BACK_SIDE, 0u, from_front);
+}
+
+// Specular events between the eye and the point, saturated.
+fn chain_of(point: GatherPoint) -> u32 {
+    return (point.surface >> CHAIN_SHIFT) & CHAIN_MAX;
+}
