@@ -1,5 +1,6 @@
 //! Rays and what they meet: surfaces with both normals turned toward where the ray came from.
 
+use crate::optics::shading::frame::Frame;
 use crate::packed::layout::{LIFT, LIFT_LEAST};
 use crate::packed::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH};
 use glam::Vec3;
@@ -94,9 +95,9 @@ impl<'a> SurfaceInteraction<'a> {
         Ray::new(lift(self.position, side, self.triangle), direction)
     }
 
-    /// The shading normal where the ray sees its front, else the geometric one: what specular events turn about.
-    pub(crate) fn specular_normal(&self) -> Vec3 {
-        if self.ns.dot(self.back) > 0.0 { self.ns } else { self.ng }
+    /// The directions that lobes depend on.
+    pub(crate) fn frame(&self) -> Frame {
+        Frame { back: self.back, ng: self.ng, ns: self.ns, front: self.front }
     }
 }
 

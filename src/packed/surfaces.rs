@@ -101,6 +101,10 @@ impl MaterialFlags {
     pub fn has_diffuse(self) -> bool {
         self.0 & (Self::DIFFUSE | Self::GLOSSY) != 0
     }
+    /// There is a Lambert lobe.
+    pub fn has_lambert(self) -> bool {
+        self.0 & Self::DIFFUSE != 0
+    }
     /// There is a glossy lobe.
     pub fn has_glossy(self) -> bool {
         self.0 & Self::GLOSSY != 0

@@ -8,7 +8,7 @@ use crate::film::Layer;
 use crate::optics::lights::emit::{Start, aimed, by_law};
 use crate::optics::lights::sample::sample_light;
 use crate::optics::ray::{Ray, SurfaceInteraction};
-use crate::optics::shading::bsdf::sample_d;
+use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
 use crate::packed::layout::{NEAR_EMITTERS_MAX, UNSEEN_STORED};
@@ -186,7 +186,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         }
         let probabilities = EventProbabilities::new(&s, &flux, event);
         // nothing is absorbed by chance on the way from the eye
-        let kept = if path == Path::Camera { probabilities.ways.iter().map(|w| w.1).sum() } else { 1.0 };
+        let kept = if path == Path::Camera { probabilities.ways.iter().sum() } else { 1.0 };
         let Some(way) = probabilities.choose(u_way * kept) else { break };
         if way == SCATTERED && path != Path::Diffuse {
             if path == Path::Camera {
@@ -202,7 +202,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
             }
             break;
         }
-        let Some(w) = probabilities.direction(&s, way, u_lobe, [u0, u1]) else { break };
+        let Some(w) = probabilities.direction(way, u_lobe, [u0, u1]) else { break };
         flux = probabilities.carried(way, &flux);
         met_diffuse |= way == SCATTERED;
         met_specular |= way != SCATTERED;
@@ -224,7 +224,7 @@ fn shadow(scene: &PackedScene, plan: &Plan, s: &SurfaceInteraction, [u, v, w]: [
     }
     // every sample shares its weight with one of the lobes where either is much better
     if (s.flags().has_glossy() || lights.len() > NEAR_EMITTERS_MAX as usize)
-        && let Some(wi) = sample_d(s.material, s.back, s.ns, w, [u, v])
+        && let Some(wi) = Bsdf::at(s).sample_scatter(w, [u, v])
     {
         found.rays += 1.0;
         found.steps += steps(scene, &s.leave(wi), f32::INFINITY, false);

@@ -7,7 +7,7 @@ use crate::device::Device;
 use crate::device_or_return;
 use crate::directions::{NORMAL, any_scene, density_d, materials, views, wgsl};
 use glam::{DVec3, Vec3};
-use joton::optics::shading::bsdf::{eval_d, pdf_d};
+use joton::optics::shading::bsdf::Scatter;
 use joton::packed::PackedMaterial;
 
 /// What a side says of a pair of directions: pdf, BRDF, BRDF with the directions exchanged (first band).
@@ -49,8 +49,8 @@ fn host_lobes_are_what_they_say() {
         for (view, wo) in views().into_iter().enumerate() {
             let ask = |w: DVec3| {
                 let wi = w.as_vec3();
-                let f = |a, b| f64::from(eval_d(m, a, b, NORMAL)[0]);
-                [f64::from(pdf_d(m, wi, wo, NORMAL)), f(wi, wo), f(wo, wi)]
+                let f = |a, b| f64::from(Scatter::of(m).eval(a, b, NORMAL)[0]);
+                [f64::from(Scatter::of(m).pdf(wi, wo, NORMAL)), f(wi, wo), f(wo, wi)]
             };
             let answers: Vec<Answer> = around(wo).grid().map(|(w, _)| ask(w)).collect();
             check(m, view, &format!("host, material {i}, view {view}"), &answers);

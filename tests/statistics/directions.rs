@@ -7,7 +7,7 @@ use crate::device::Device;
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
 use joton::backend::cpu::harness::mirror_lobe;
-use joton::optics::shading::bsdf::sample_d;
+use joton::optics::shading::bsdf::Scatter;
 use joton::packed::{PackedMaterial, PackedScene};
 use joton::sampling::distributions::{cone, cosine_hemisphere, disc, phong_lobe, sphere, triangle};
 use joton::scene::Material;
@@ -149,7 +149,7 @@ fn surface_laws(materials: &[PackedMaterial], rough: usize) -> Vec<Law> {
                 host: if mirror {
                     Box::new(move |u| mirror_lobe(&m, wo, NORMAL, [u[0], u[1]]))
                 } else {
-                    Box::new(move |u| sample_d(&m, wo, NORMAL, u[2], [u[0], u[1]]))
+                    Box::new(move |u| Scatter::of(&m).sample(wo, NORMAL, u[2], [u[0], u[1]]))
                 },
                 device: if mirror {
                     let (d, n) = (wgsl(-wo), wgsl(NORMAL));

@@ -11,7 +11,6 @@ use crate::optics::lights::emit::kind;
 use crate::optics::lights::reservoir::Reservoir;
 use crate::optics::lights::sample::{LightSample, pdf_light, sample_light};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
-use crate::optics::shading::bsdf::{eval_d, eval_narrow, pdf_d, sample_d};
 use crate::packed::layout::{NEAR_EMITTERS_MAX, NEAR_WIDTH};
 use crate::packed::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
@@ -31,7 +30,7 @@ pub(super) fn light(
     let settings = &plan.settings;
     let lights = plan.guides.direct.emitters(&scene.emitters);
     let count = settings.shadow_rays;
-    let shared = g.material.flags().has_glossy() || near_emitter(lights, g.position);
+    let shared = g.bsdf.scatter.varies() || near_emitter(lights, g.position);
     let mut sum = BLACK;
     for ray in 0..count {
         let is_drawn = shared || plan.light_candidates > 1;
@@ -102,10 +101,10 @@ fn unshadowed(g: &GatherPoint, l: &LightSample, number: f32, shared: bool) -> Ba
         return BLACK;
     }
     let pdf = number * l.pdf;
-    let weight = if shared && pdf > 0.0 { pdf / (pdf + pdf_d(g.material, l.wi, g.wo, g.ns)) } else { 1.0 };
-    let matte = eval_d(g.material, l.wi, g.wo, g.ns);
+    let weight = if shared && pdf > 0.0 { pdf / (pdf + g.bsdf.pdf_scatter(l.wi)) } else { 1.0 };
+    let matte = g.bsdf.eval_scatter(l.wi);
     // what has an area is met where the lobe is followed
-    let f = if l.pdf > 0.0 { matte } else { add(&matte, &eval_narrow(g.material, l.wi, g.wo, g.ns)) };
+    let f = if l.pdf > 0.0 { matte } else { add(&matte, &g.bsdf.eval_narrow(l.wi)) };
     scale(&mul(&f, &l.irradiance), cos_s * weight)
 }
 
@@ -118,7 +117,7 @@ fn by_bsdf(
     number: f32,
     tally: &mut Tally,
 ) -> Bands {
-    let Some(wi) = sample_d(g.material, g.wo, g.ns, u[2], [u[0], u[1]]) else { return BLACK };
+    let Some(wi) = g.bsdf.sample_scatter(u[2], [u[0], u[1]]) else { return BLACK };
     if wi.dot(g.ng) <= 0.0 {
         return BLACK;
     }
@@ -129,6 +128,6 @@ fn by_bsdf(
         return BLACK;
     }
     // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)
-    let weight = wi.dot(g.ns) / (pdf_d(g.material, wi, g.wo, g.ns) + number * pdf_light(lights, &s));
-    scale(&mul(&eval_d(g.material, wi, g.wo, g.ns), &s.material.emission), weight)
+    let weight = wi.dot(g.ns) / (g.bsdf.pdf_scatter(wi) + number * pdf_light(lights, &s));
+    scale(&mul(&g.bsdf.eval_scatter(wi), &s.material.emission), weight)
 }

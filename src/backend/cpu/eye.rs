@@ -1,20 +1,20 @@
 //! Eye: a camera ray through specular surfaces to its gather point, and the emission met on the way (E S* L).
 
-use super::splits::{Splits, branches, pick};
+use super::splits::Splits;
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
 use crate::optics::ray::{Ray, SurfaceInteraction};
-use crate::optics::shading::bsdf::{reflectance_d, sample_mirror};
-use crate::packed::layout::{NARROW_STOPS, SURE_EVENTS, SURVIVAL_MAX};
-use crate::packed::{CameraRay, PackedMaterial, PackedScene, PackedTriangle};
+use crate::optics::shading::bsdf::Bsdf;
+use crate::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
+use crate::packed::{CameraRay, PackedScene, PackedTriangle};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
-use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
+use crate::spectrum::{BLACK, Bands, add, mul, scale};
 use glam::Vec3;
 
 /// The first D vertex of an eye path, or one with a narrow lobe in which lights without area are looked for; normals turned toward the eye.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct GatherPoint<'a> {
     pub(super) position: Vec3,
     /// Unit geometric normal.
@@ -27,7 +27,7 @@ pub(super) struct GatherPoint<'a> {
     pub(super) wo: Vec3,
     /// Radiance at the eye per radiance that leaves the point through its D lobes.
     pub(super) throughput: Bands,
-    pub(super) material: &'a PackedMaterial,
+    pub(super) bsdf: Bsdf,
     pub(super) triangle: &'a PackedTriangle,
     /// Specular events between the eye and the point.
     pub(super) chain: u32,
@@ -36,7 +36,7 @@ pub(super) struct GatherPoint<'a> {
 }
 
 /// What an eye path found.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct EyePath<'a> {
     /// Radiance of the emitters on the chain, weighed beside the trees'.
     pub(super) emission: Bands,
@@ -89,49 +89,39 @@ pub(super) fn follow<'a>(
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
-        let carried = max(&throughput);
-        let (on, kept) = if s.flags().is_dielectric() {
-            let ways = branches(&s, &throughput);
-            let Some((taken, branch)) = pick(&ways, u_way) else { return path };
-            splits = splits.after(&ways, taken, carried);
-            throughput = branch.throughput;
-            (Some(branch.direction), branch.kept)
-        } else {
-            let weight_d = max(&mul(&throughput, &reflectance_d(s.material)));
-            let weight_s = max(&mul(&throughput, &s.material.specular));
-            if weight_d + weight_s <= 0.0 {
-                return path;
-            }
-            // lights without area are seen in a narrow lobe only from a path that stops there
-            let looks = plan.features.delta_lights && s.material.has_narrow_lobe();
-            let weight_stop = if looks { weight_d.max(NARROW_STOPS * weight_s) } else { weight_d };
-            // one lobe only: probability 1, no noise
-            let p_d = weight_stop / (weight_stop + weight_s);
-            if u_way < p_d {
-                path.gather_point = Some(GatherPoint {
-                    position: s.position,
-                    ng: s.ng,
-                    front: s.front,
-                    ns: s.ns,
-                    wo: s.back,
-                    throughput: scale(&throughput, 1.0 / p_d),
-                    material: s.material,
-                    triangle: s.triangle,
-                    chain,
-                    length,
-                });
-                return path;
-            }
-            throughput = scale(&mul(&throughput, &s.material.specular), 1.0 / (1.0 - p_d));
-            splits = splits.mirrored(weight_s / carried, weight_s / (weight_d + weight_s));
-            (sample_mirror(&s, [u0, u1]), weight_d + weight_s)
-        };
-        let Some(direction) = on else { return path };
-        let survival = survival(chain, kept / carried);
+        let bsdf = Bsdf::at(&s);
+        let shares = bsdf.shares(&throughput);
+        if shares.kept() <= 0.0 {
+            return path;
+        }
+        // one lobe only: probability 1, no noise
+        let stop = bsdf.stop_share(&shares, plan.features.delta_lights);
+        let ways = stop + shares.followed();
+        let choice = u_way * ways;
+        if choice < stop {
+            path.gather_point = Some(GatherPoint {
+                position: s.position,
+                ng: s.ng,
+                front: s.front,
+                ns: s.ns,
+                wo: s.back,
+                throughput: scale(&throughput, ways / stop),
+                bsdf,
+                triangle: s.triangle,
+                chain,
+                length,
+            });
+            return path;
+        }
+        let lobe = shares.pick_delta(choice - stop);
+        let Some(direction) = bsdf.sample_delta(lobe, [u0, u1]) else { return path };
+        splits = splits.after(&shares, lobe);
+        let survival = survival(chain, shares.kept());
         if u_survive >= survival {
             return path;
         }
-        throughput = scale(&throughput, 1.0 / survival);
+        let chance = shares.delta[lobe] / ways * survival;
+        throughput = scale(&bsdf.through_delta(lobe, &throughput), 1.0 / chance);
         ray = s.leave(direction);
     }
     tally.truncated += 1;

@@ -6,10 +6,8 @@ use super::kd_tree::{EMPTY, LANES};
 use super::kernel_correction::Weights;
 use super::maps::JotonMap;
 use super::window::Window;
-use crate::optics::shading::bsdf::eval_d;
 use crate::spectrum::{BANDS, Bands, add, mul, scale};
 use glam::Vec4;
-use std::f32::consts::FRAC_1_PI;
 
 /// Number of jotons that count.
 pub(super) fn count(map: &JotonMap, w: &Window) -> u32 {
@@ -31,10 +29,10 @@ pub(super) fn radiance(
     weights: Weights,
     accepted: Option<u32>,
 ) -> Bands {
-    let sum = if g.material.flags().has_glossy() || accepted.is_some() {
+    let sum = if g.bsdf.scatter.varies() || accepted.is_some() {
         one_by_one(map, g, w, weights, accepted.unwrap_or(u32::MAX))
     } else {
-        scale(&mul(&irradiance(map, w, weights), &g.material.diffuse), FRAC_1_PI)
+        mul(&irradiance(map, w, weights), &g.bsdf.eval_scatter(g.ns))
     };
     mul(&sum, &g.throughput)
 }
@@ -84,7 +82,7 @@ fn one_by_one(map: &JotonMap, g: &GatherPoint, w: &Window, weights: Weights, acc
                     continue;
                 }
                 let weight = weights.constant + weights.slope[0] * x[lane] + weights.slope[1] * y[lane];
-                let f = eval_d(g.material, joton.wi, g.wo, g.ns);
+                let f = g.bsdf.eval_scatter(joton.wi);
                 sum = add(&sum, &scale(&mul(&f, &joton.flux), weight));
             }
         }

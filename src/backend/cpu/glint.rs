@@ -4,17 +4,17 @@
 //! alone. Where there are both, each weighs what the other would not find [E25].
 
 use super::eye::{ray_through, survival, wants_emission};
-use super::splits::{Branch, Splits, branches, pick};
+use super::splits::Splits;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
 use crate::estimators::split_paths::{Light, Look, SplitPaths, is_mixed};
 use crate::optics::ray::{Ray, SurfaceInteraction};
-use crate::optics::shading::bsdf::{reflectance_d, sample_mirror};
+use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::layout::{PILOT_TREES, WAITING_MAX};
 use crate::packed::{CameraRay, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, seed_at, sequence2};
-use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, max, mul, scale};
+use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, mul, scale};
 use rayon::prelude::*;
 
 /// Of the trees of a pixel in the pilot the ones that tell whether there is anything to see but D surfaces: most pixels need no more.
@@ -69,42 +69,35 @@ fn tree(
                 seen.emission = add(&seen.emission, &scale(&emission, weight(events, &splits)));
                 seen.direct = events == 0;
             }
-            if !s.flags().has_delta() {
+            let bsdf = Bsdf::at(&s);
+            let shares = bsdf.shares(&throughput);
+            if shares.followed() <= 0.0 {
                 break;
             }
             seen.direct = false;
             let [u_way, u0, u1, u_survive] = random4(seed, number, pixel, DIMENSION_GLINT + node);
             node += 1;
-            let carried = max(&throughput);
-            let branch = if s.flags().is_dielectric() {
-                let ways = branches(&s, &throughput);
-                let lesser = usize::from(ways[1].kept < ways[0].kept);
-                if splits.takes_both(&ways, carried) {
-                    seen.branched = true;
-                    // the lesser first: so many are never waiting
-                    let greater = &ways[1 - lesser];
+            let both = splits.takes_both(&shares);
+            let (lobe, kept) = if both {
+                seen.branched = true;
+                // the lesser first: so many are never waiting
+                let lesser = usize::from(shares.delta[1] < shares.delta[0]);
+                if let Some(direction) = bsdf.sample_delta(1 - lesser, [u0, u1]) {
                     waiting[count] = Way {
-                        ray: s.leave(greater.direction),
-                        throughput: greater.throughput,
-                        splits: splits.after(&ways, 1 - lesser, carried),
+                        ray: s.leave(direction),
+                        throughput: bsdf.through_delta(1 - lesser, &throughput),
+                        splits: splits.after(&shares, 1 - lesser),
                         events: events + 1,
                     };
                     count += 1;
-                    splits = splits.after(&ways, lesser, carried);
-                    Some(ways[lesser])
-                } else {
-                    splits = splits.after(&ways, lesser, carried);
-                    pick(&ways, u_way).map(|(_, branch)| branch)
                 }
+                (lesser, shares.delta[lesser])
             } else {
-                let d = max(&mul(&throughput, &reflectance_d(s.material)));
-                throughput = mul(&throughput, &s.material.specular);
-                let kept = max(&throughput);
-                splits = splits.mirrored(kept / carried, kept / (kept + d));
-                sample_mirror(&s, [u0, u1]).map(|direction| Branch { direction, throughput, kept })
+                (shares.pick_delta(u_way * shares.followed()), shares.followed())
             };
-            let Some(branch) = branch.filter(|b| !is_black(&b.throughput)) else { break };
-            let survival = survival(events, branch.kept / carried);
+            splits = splits.after(&shares, lobe);
+            let survival = survival(events, kept);
+            let Some(direction) = bsdf.sample_delta(lobe, [u0, u1]) else { break };
             if u_survive >= survival {
                 break;
             }
@@ -113,8 +106,9 @@ fn tree(
                 tally.truncated += 1;
                 break;
             }
-            throughput = scale(&branch.throughput, 1.0 / survival);
-            ray = s.leave(branch.direction);
+            let chance = survival * shares.delta[lobe] / kept;
+            throughput = scale(&bsdf.through_delta(lobe, &throughput), 1.0 / chance);
+            ray = s.leave(direction);
         }
     }
     seen

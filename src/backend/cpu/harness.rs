@@ -6,9 +6,9 @@ use super::trace::jotons;
 use crate::backend::Tally;
 use crate::optics::lights::cone::{Beam, into_targets};
 use crate::optics::lights::emit::{self, Start};
-use crate::optics::ray::SurfaceInteraction;
-use crate::optics::shading::bsdf::sample_mirror;
-use crate::packed::{Guide, NO_EMITTER, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle, Target};
+use crate::optics::shading::bsdf::Bsdf;
+use crate::optics::shading::frame::Frame;
+use crate::packed::{Guide, PackedEmitter, PackedMaterial, PackedScene, Target};
 use crate::plan::Plan;
 use crate::sampling::rng::sequence2;
 use crate::spectrum::Bands;
@@ -84,24 +84,6 @@ pub fn camera_direction(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -
 
 /// A direction of the S lobe of `material` on a flat surface, toward `back` before.
 pub fn mirror_lobe(material: &PackedMaterial, back: Vec3, normal: Vec3, u: [f32; 2]) -> Option<Vec3> {
-    let triangle = PackedTriangle {
-        v0: Vec3::ZERO,
-        material: 0,
-        e1: Vec3::X,
-        flags: 0,
-        e2: Vec3::Y,
-        emitter: NO_EMITTER,
-    };
-    let surface = SurfaceInteraction {
-        position: Vec3::ZERO,
-        back,
-        distance: 1.0,
-        ng: normal,
-        ns: normal,
-        front: true,
-        smooth: false,
-        triangle: &triangle,
-        material,
-    };
-    sample_mirror(&surface, u)
+    let frame = Frame { back, ng: normal, ns: normal, front: true };
+    Bsdf::new(material, frame).sample_delta(0, u)
 }

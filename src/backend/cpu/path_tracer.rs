@@ -11,9 +11,7 @@ use crate::film::paths::{Event, LightPaths};
 use crate::film::{LAYERS, Layer};
 use crate::optics::lights::sample::{pdf_light, sample_light};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
-use crate::optics::shading::bsdf::{
-    DielectricInterface, eval_d, eval_narrow, pdf_d, reflectance_d, sample_d, sample_mirror,
-};
+use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::layout::SURVIVAL_MAX;
 use crate::packed::{CameraRay, PackedScene};
 use crate::plan::Plan;
@@ -167,57 +165,41 @@ impl<'a> Path<'a> {
                 self.found(&scale(&mul(&throughput, &s.material.emission), weight));
             }
             let [u_way, u0, u1, u_lobe] = self.random(0);
-            let direction = if s.flags().is_dielectric() {
-                let b = DielectricInterface::at(&s);
-                let p = b.fresnel;
-                self.events.push(Event::S);
-                pdf_last = None;
-                if u_way < p {
-                    throughput = mul(&throughput, &s.material.specular);
-                    b.reflected
-                } else {
-                    let radiance_scale = b.eta_i_over_t * b.eta_i_over_t;
-                    eta_squared *= radiance_scale;
-                    throughput = scale(&mul(&throughput, &s.material.transmission), radiance_scale);
-                    b.refracted
+            let bsdf = Bsdf::at(&s);
+            let shares = bsdf.shares(&throughput);
+            if shares.kept() <= 0.0 {
+                return;
+            }
+            let choice = u_way * shares.kept();
+            let leaving = if choice < shares.scatter {
+                throughput = scale(&throughput, shares.kept() / shares.scatter);
+                let [_, l0, l1, _] = self.random(1);
+                self.events.push(Event::D);
+                self.next_event(&s, &bsdf, &throughput, [l0, l1], Lobe::Matte);
+                let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| wi.dot(s.ng) > 0.0);
+                if let Some(wi) = leaving {
+                    let pdf = bsdf.pdf_scatter(wi);
+                    throughput = scale(&mul(&throughput, &bsdf.eval_scatter(wi)), wi.dot(s.ns) / pdf);
+                    pdf_last = Some(pdf);
                 }
+                leaving
             } else {
-                let d = max(&mul(&throughput, &reflectance_d(s.material)));
-                let m = max(&mul(&throughput, &s.material.specular));
-                if d + m <= 0.0 {
-                    return;
-                }
-                let p_d = d / (d + m);
-                if u_way < p_d {
-                    throughput = scale(&throughput, 1.0 / p_d);
+                let lobe = shares.pick_delta(choice - shares.scatter);
+                let arriving = scale(&throughput, shares.kept() / shares.delta[lobe]);
+                // where nothing else of the path is D the lobe is: what it sends on to a D is a caustic
+                if bsdf.narrow().is_some() && !self.events.contains(&Event::D) {
                     let [_, l0, l1, _] = self.random(1);
                     self.events.push(Event::D);
-                    self.next_event(&s, &throughput, [l0, l1], Lobe::Matte);
-                    let Some(wi) = sample_d(s.material, s.back, s.ns, u_lobe, [u0, u1]) else { return };
-                    if wi.dot(s.ng) <= 0.0 {
-                        return;
-                    }
-                    let pdf = pdf_d(s.material, wi, s.back, s.ns);
-                    let f = eval_d(s.material, wi, s.back, s.ns);
-                    throughput = scale(&mul(&throughput, &f), wi.dot(s.ns) / pdf);
-                    pdf_last = Some(pdf);
-                    wi
-                } else {
-                    let throughput_in = scale(&throughput, 1.0 / (1.0 - p_d));
-                    throughput = mul(&throughput_in, &s.material.specular);
-                    // where nothing else of the path is D the lobe is: what it sends on to a D is a caustic
-                    if s.material.has_narrow_lobe() && !self.events.contains(&Event::D) {
-                        let [_, l0, l1, _] = self.random(1);
-                        self.events.push(Event::D);
-                        self.next_event(&s, &throughput_in, [l0, l1], Lobe::Narrow);
-                        self.events.pop();
-                    }
-                    self.events.push(Event::S);
-                    pdf_last = None;
-                    let Some(wi) = sample_mirror(&s, [u0, u1]) else { return };
-                    wi
+                    self.next_event(&s, &bsdf, &arriving, [l0, l1], Lobe::Narrow);
+                    self.events.pop();
                 }
+                self.events.push(Event::S);
+                pdf_last = None;
+                throughput = bsdf.through_delta(lobe, &arriving);
+                eta_squared *= bsdf.delta[lobe].radiance_scale();
+                bsdf.sample_delta(lobe, [u0, u1])
             };
+            let Some(direction) = leaving else { return };
             if self.events.len() > CERTAIN_EVENTS {
                 let survival = (max(&throughput) / eta_squared).clamp(0.0, SURVIVAL_MAX);
                 if self.random(2)[0] >= survival {
@@ -230,7 +212,14 @@ impl<'a> Path<'a> {
     }
 
     /// A shadow ray to an emitter; in a narrow lobe, which is followed, too, only to those without area.
-    fn next_event(&mut self, s: &SurfaceInteraction, throughput: &Bands, u: [f32; 2], lobe: Lobe) {
+    fn next_event(
+        &mut self,
+        s: &SurfaceInteraction,
+        bsdf: &Bsdf,
+        throughput: &Bands,
+        u: [f32; 2],
+        lobe: Lobe,
+    ) {
         let origin = lift(s.position, s.ng, s.triangle);
         let Some(l) = sample_light(&self.scene.emitters, origin, u) else { return };
         let cos_s = l.wi.dot(s.ns);
@@ -242,11 +231,11 @@ impl<'a> Path<'a> {
         if !visible(self.scene, origin, l.target) {
             return;
         }
-        let pdf = pdf_d(s.material, l.wi, s.back, s.ns);
+        let pdf = bsdf.pdf_scatter(l.wi);
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + pdf) } else { 1.0 };
         let f = match lobe {
-            Lobe::Matte => eval_d(s.material, l.wi, s.back, s.ns),
-            Lobe::Narrow => eval_narrow(s.material, l.wi, s.back, s.ns),
+            Lobe::Matte => bsdf.eval_scatter(l.wi),
+            Lobe::Narrow => bsdf.eval_narrow(l.wi),
         };
         self.found(&scale(&mul(&mul(throughput, &f), &l.irradiance), cos_s * weight));
     }

@@ -10,7 +10,7 @@ use crate::backend::{Cause, Tally};
 use crate::film::paths::{DEAD, Event, LightPaths};
 use crate::optics::lights::emit::{Start, aimed, by_law};
 use crate::optics::ray::{Ray, SurfaceInteraction};
-use crate::optics::shading::bsdf::{eval_d, pdf_d};
+use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
 use crate::packed::layout::{ADJOINT_MAX, UNSEEN_STORED};
@@ -111,10 +111,7 @@ impl Tracer<'_> {
             let [u_way, u0, u1, u_lobe] = random4(self.plan.settings.seed, self.pass, i, dimension + event);
             let probabilities = EventProbabilities::new(&s, &flux, event);
             if !CAUSTIC {
-                let lost = probabilities
-                    .ways
-                    .iter()
-                    .fold([1.0; BANDS], |l, (r, _)| std::array::from_fn(|b| l[b] - r[b]));
+                let lost = probabilities.total_albedo().map(|kept| 1.0 - kept);
                 add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
             }
             let Some(way) = probabilities.choose(u_way) else { return };
@@ -122,10 +119,11 @@ impl Tracer<'_> {
                 return;
             }
             let kept = probabilities.carried(way, &flux);
-            let leaving = probabilities.direction(&s, way, u_lobe, [u0, u1]);
+            let leaving = probabilities.direction(way, u_lobe, [u0, u1]);
             flux = match leaving {
                 Some(w) if way == SCATTERED => {
-                    self.scatter(&s, w, &scale(&flux, adjoint_in / probabilities.ways[way].1))
+                    let arrives = scale(&flux, adjoint_in / probabilities.ways[way]);
+                    mul(&arrives, &scattered(&s, &probabilities.bsdf, w))
                 }
                 Some(w) if s.smooth => scale(&kept, specular_adjoint(&s, w)),
                 Some(_) => kept,
@@ -150,21 +148,6 @@ impl Tracer<'_> {
             ray = s.leave(w);
         }
         self.tally.truncated += 1;
-    }
-
-    /// Flux after a D event toward `w`: Φ f |w·Ng| / pdf, with Φ already times |wi·Ns|/|wi·Ng| (Veach 1997, 5.3) [E11].
-    fn scatter(&self, s: &SurfaceInteraction, w: glam::Vec3, flux: &Bands) -> Bands {
-        let cos_ng = w.dot(s.ng);
-        if cos_ng <= 0.0 {
-            return [0.0; BANDS];
-        }
-        let cos_ns = w.dot(s.ns);
-        let adjoint_out = if s.smooth { limited(cos_ng / cos_ns) } else { 1.0 };
-        if !s.flags().has_glossy() {
-            return scale(&mul(flux, &s.material.diffuse), adjoint_out);
-        }
-        let pdf = pdf_d(s.material, w, s.back, s.ns);
-        scale(&mul(flux, &eval_d(s.material, w, s.back, s.ns)), adjoint_out * cos_ns / pdf)
     }
 
     /// How many jotons this one of the diffuse map stands for; 0 where another stands for it. Where the camera does not look one
@@ -193,9 +176,20 @@ impl Tracer<'_> {
     }
 }
 
+/// What a D event toward `w` leaves of the flux: f |w·Ng| / pdf (Veach 1997, 5.3) [E11]; the flux is already times
+/// |wi·Ns|/|wi·Ng|.
+fn scattered(s: &SurfaceInteraction, bsdf: &Bsdf, w: glam::Vec3) -> Bands {
+    let cos_ng = w.dot(s.ng);
+    if cos_ng <= 0.0 {
+        return [0.0; BANDS];
+    }
+    let adjoint_out = if s.smooth { limited(cos_ng / w.dot(s.ns)) } else { 1.0 };
+    scale(&bsdf.weight_scatter(w), adjoint_out)
+}
+
 /// Veach's factor for an S event [E11]: the same as for a D event, so that jotons see the surface that the eye sees.
 fn specular_adjoint(s: &SurfaceInteraction, w: glam::Vec3) -> f32 {
-    let n = s.specular_normal();
+    let n = s.frame().specular_normal();
     limited((s.back.dot(n) * w.dot(s.ng) / (s.back.dot(s.ng) * w.dot(n))).abs())
 }
 

@@ -1,184 +1,301 @@
-//! What happens at a surface: Fresnel, the D lobes (Lambert and glossy Phong), the S lobes. Twin: shaders/shading/bsdf.wgsl.
+//! The BSDF at a hit: its lobes, and what is asked of all of them together. A new lobe is a file of its own, a variant here of those that
+//! scatter or of the delta ones, and the line that makes it of a material. Twin: shaders/shading/{lobes,bsdf}.wgsl.
 //!
-//! f_r(wi, wo) = diffuse/π + glossy (e + 2)/2π cosᵉα, α between wo and the mirror direction of wi \[E6\] (Lafortune &
-//! Willems 1994). Symmetric in wi and wo, so eye paths and jotons sample the same functions.
+//! Lobes that scatter (event D) are sampled as one mixture; of the delta lobes (event S), which light follows in one direction or
+//! nearly so, each is a way of its own.
 
 use crate::optics::ray::SurfaceInteraction;
+use crate::optics::shading::dielectric::{self, Way};
+use crate::optics::shading::frame::Frame;
+use crate::optics::shading::lambert::Lambert;
+use crate::optics::shading::mirror::Mirror;
+use crate::optics::shading::phong::Phong;
 use crate::packed::PackedMaterial;
-use crate::sampling::distributions::{cosine_hemisphere, phong_lobe, to_world};
-use crate::spectrum::{BLACK, Bands, add, max, scale};
+use crate::packed::layout::NARROW_STOPS;
+use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
+use arrayvec::ArrayVec;
 use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Unpolarised reflectance of a dielectric interface \[E8\]; `eta` = n_t / n_i. 1 at total reflection.
-pub fn fresnel(cos_i: f32, eta: f32) -> f32 {
-    let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
-    if sin2_t >= 1.0 {
-        return 1.0;
-    }
-    let cos_t = (1.0 - sin2_t).sqrt();
-    let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    0.5 * (parallel * parallel + perpendicular * perpendicular)
-}
+/// Most lobes of a material that scatter, and most delta lobes.
+const MOST: usize = 2;
 
-/// Reflectance of a thin pane whose faces reflect `face` each: what goes to and fro between them adds up as flux \[E26\].
-pub fn pane_reflectance(face: f32) -> f32 {
-    2.0 * face / (1.0 + face)
-}
-
-/// Direction of refraction; `n` on the side that `d` comes from. None at total reflection.
-pub fn refract(d: Vec3, n: Vec3, eta_i_over_t: f32) -> Option<Vec3> {
-    let cos_i = -d.dot(n);
-    let sin2_t = eta_i_over_t * eta_i_over_t * (1.0 - cos_i * cos_i).max(0.0);
-    (sin2_t < 1.0)
-        .then(|| (d * eta_i_over_t + n * (eta_i_over_t * cos_i - (1.0 - sin2_t).sqrt())).normalize())
-}
-
-/// The mirror image of `w` about `n`, both leaving the surface.
-pub fn mirror(w: Vec3, n: Vec3) -> Vec3 {
-    n * (2.0 * w.dot(n)) - w
-}
-
-/// Reflectance of the D lobes together, per band.
-pub fn reflectance_d(m: &PackedMaterial) -> Bands {
-    add(&m.diffuse, &m.glossy)
-}
-
-/// cosᵉα of a Phong lobe, from 1 − cosα: near one a cosine has no digits for a large exponent.
-fn lobe(exponent: f32, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-    let below = 0.5 * (mirror(wi, n) - wo).length_squared();
-    if below >= 1.0 { 0.0 } else { (exponent * (-below).ln_1p()).exp() }
-}
-
-/// f_r of a lobe that is followed, 1/sr, for lights without area: following it never meets them \[E6\].
-pub fn eval_narrow(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
-    if !m.has_narrow_lobe() {
-        return BLACK;
-    }
-    scale(&m.specular, (m.specular_exponent + 2.0) / TAU * lobe(m.specular_exponent, wi, wo, n))
-}
-
-/// f_r of the D lobes, 1/sr.
-pub fn eval_d(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
-    let matte = scale(&m.diffuse, FRAC_1_PI);
-    if !m.flags().has_glossy() {
-        return matte;
-    }
-    add(&matte, &scale(&m.glossy, (m.glossy_exponent + 2.0) / TAU * lobe(m.glossy_exponent, wi, wo, n)))
-}
-
-/// Probability of sampling the Lambert lobe.
-fn share_matte(m: &PackedMaterial) -> f32 {
-    let (d, g) = (max(&m.diffuse), max(&m.glossy));
-    if g > 0.0 { d / (d + g) } else { 1.0 }
-}
-
-/// pdf_solid_angle of [`sample_d`].
-pub fn pdf_d(m: &PackedMaterial, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-    let matte = share_matte(m);
-    let pdf = matte * wi.dot(n).max(0.0) * FRAC_1_PI;
-    if matte == 1.0 {
-        return pdf;
-    }
-    pdf + (1.0 - matte) * (m.glossy_exponent + 1.0) / TAU * lobe(m.glossy_exponent, wi, wo, n)
-}
-
-/// A direction from the D lobes given the other, `wo`, both about `n`. None where it falls below the surface.
-pub fn sample_d(m: &PackedMaterial, wo: Vec3, n: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<Vec3> {
-    let wi = if u_lobe < share_matte(m) {
-        to_world(cosine_hemisphere(u), n)
-    } else {
-        to_world(phong_lobe(u, m.glossy_exponent), mirror(wo, n))
-    };
-    (wi.dot(n) > 0.0).then_some(wi)
-}
-
-/// A direction of the S lobe: the mirror's, or about it where the mirror is not perfect. None below the surface.
-pub(crate) fn sample_mirror(s: &SurfaceInteraction, u: [f32; 2]) -> Option<Vec3> {
-    let above = |w: Vec3| (w.dot(s.ng) > 0.0).then_some(w);
-    let perfect = above(mirror(s.back, s.specular_normal())).unwrap_or_else(|| mirror(s.back, s.ng));
-    let exponent = s.material.specular_exponent;
-    if exponent <= 0.0 { Some(perfect) } else { above(to_world(phong_lobe(u, exponent), perfect)) }
-}
-
-/// Both ways on from a dielectric interface.
+/// A lobe that scatters.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct DielectricInterface {
-    /// Share that is reflected, 0 to 1.
-    pub(crate) fresnel: f32,
-    pub(crate) reflected: Vec3,
-    /// Arbitrary where `fresnel` is 1.
-    pub(crate) refracted: Vec3,
-    /// η of the side the ray comes from over that of the side it would go to.
-    pub(crate) eta_i_over_t: f32,
+enum ScatterLobe {
+    Lambert(Lambert),
+    Phong(Phong),
 }
 
-impl DielectricInterface {
-    pub(crate) fn at(s: &SurfaceInteraction) -> Self {
-        let n = s.specular_normal();
-        let reflected = mirror(s.back, n);
-        let reflected = if reflected.dot(s.ng) > 0.0 { reflected } else { mirror(s.back, s.ng) };
-        if s.flags().is_thin() {
-            let fresnel = pane_reflectance(fresnel(s.back.dot(n), s.material.ior));
-            return Self { fresnel, reflected, refracted: -s.back, eta_i_over_t: 1.0 };
+impl ScatterLobe {
+    fn albedo(&self) -> Bands {
+        match self {
+            Self::Lambert(l) => l.albedo,
+            Self::Phong(p) => p.albedo,
         }
-        let eta_i_over_t = if s.front { 1.0 / s.material.ior } else { s.material.ior };
-        let along = -s.back;
-        let about = |n: Vec3| {
-            let crossing = refract(along, n, eta_i_over_t).filter(|w| w.dot(s.ng) < 0.0);
-            crossing.map(|w| (fresnel(s.back.dot(n), 1.0 / eta_i_over_t), w))
+    }
+
+    fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+        match self {
+            Self::Lambert(l) => l.eval(),
+            Self::Phong(p) => p.eval(wi, wo, n),
+        }
+    }
+
+    fn pdf(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+        match self {
+            Self::Lambert(l) => l.pdf(wi, n),
+            Self::Phong(p) => p.pdf(wi, wo, n),
+        }
+    }
+
+    fn sample(&self, wo: Vec3, n: Vec3, u: [f32; 2]) -> Vec3 {
+        match self {
+            Self::Lambert(l) => l.sample(n, u),
+            Self::Phong(p) => p.sample(wo, n, u),
+        }
+    }
+
+    /// True where f_r depends on directions.
+    fn varies(&self) -> bool {
+        !matches!(self, Self::Lambert(_))
+    }
+}
+
+/// The lobes of a material that scatter. Directions are unit vectors that leave the surface.
+#[derive(Debug, Clone)]
+pub struct Scatter {
+    /// Of all of them.
+    albedo: Bands,
+    lobes: ArrayVec<ScatterLobe, MOST>,
+}
+
+impl Scatter {
+    /// Of a material.
+    pub fn of(m: &PackedMaterial) -> Self {
+        let mut lobes = ArrayVec::new();
+        if m.flags().has_lambert() {
+            lobes.push(ScatterLobe::Lambert(Lambert { albedo: m.diffuse }));
+        }
+        if m.flags().has_glossy() {
+            lobes.push(ScatterLobe::Phong(Phong { albedo: m.glossy, exponent: m.glossy_exponent }));
+        }
+        Self { albedo: add(&m.diffuse, &m.glossy), lobes }
+    }
+
+    /// Reflectance, per band.
+    pub(crate) fn albedo(&self) -> Bands {
+        self.albedo
+    }
+
+    /// True where f_r depends on directions.
+    pub(crate) fn varies(&self) -> bool {
+        self.lobes.iter().any(ScatterLobe::varies)
+    }
+
+    /// f_r, 1/sr.
+    #[inline]
+    pub fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+        match &self.lobes[..] {
+            [lobe] => lobe.eval(wi, wo, n),
+            lobes => lobes.iter().fold(BLACK, |sum, lobe| add(&sum, &lobe.eval(wi, wo, n))),
+        }
+    }
+
+    /// Each lobe, and the probability of sampling it.
+    fn shares(&self) -> impl Iterator<Item = (&ScatterLobe, f32)> {
+        let total: f32 = self.lobes.iter().map(|lobe| max(&lobe.albedo())).sum();
+        self.lobes.iter().map(move |lobe| (lobe, max(&lobe.albedo()) / total))
+    }
+
+    /// pdf_solid_angle of [`Scatter::sample`].
+    pub fn pdf(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+        if let [lobe] = &self.lobes[..] {
+            return lobe.pdf(wi, wo, n);
+        }
+        self.shares().map(|(lobe, share)| share * lobe.pdf(wi, wo, n)).sum()
+    }
+
+    /// A direction given the other, `wo`, both about `n`. None where it falls below the surface.
+    pub fn sample(&self, wo: Vec3, n: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<Vec3> {
+        let mut below = 0.0;
+        let is_chosen = |&(_, share): &(_, f32)| {
+            below += share;
+            u_lobe < below
         };
-        let total = fresnel(s.back.dot(n), 1.0 / eta_i_over_t) >= 1.0;
-        let (fresnel, refracted) =
-            if total { None } else { about(n).or_else(|| about(s.ng)) }.unwrap_or((1.0, along));
-        Self { fresnel, reflected, refracted, eta_i_over_t }
+        let lobe = match &self.lobes[..] {
+            [lobe] => lobe,
+            // rounding may leave a sum below one
+            _ => self.shares().find(is_chosen).map(|(lobe, _)| lobe).or(self.lobes.last())?,
+        };
+        Some(lobe.sample(wo, n, u)).filter(|wi| wi.dot(n) > 0.0)
+    }
+
+    /// f_r cosθ / pdf_solid_angle of a direction that was sampled.
+    pub(crate) fn weight(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+        match &self.lobes[..] {
+            [ScatterLobe::Lambert(l)] => l.albedo,
+            _ => scale(&self.eval(wi, wo, n), wi.dot(n) / self.pdf(wi, wo, n)),
+        }
+    }
+}
+
+/// A delta lobe.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum DeltaLobe {
+    Mirror(Mirror),
+    Interface(Way),
+}
+
+impl DeltaLobe {
+    /// Reflectance or transmittance, per band.
+    pub(crate) fn albedo(&self) -> Bands {
+        match self {
+            Self::Mirror(m) => m.albedo,
+            Self::Interface(w) => w.albedo,
+        }
+    }
+
+    /// Where light leaves; none below the surface.
+    pub(crate) fn sample(&self, f: &Frame, u: [f32; 2]) -> Option<Vec3> {
+        match self {
+            Self::Mirror(m) => m.sample(f, u),
+            Self::Interface(w) => Some(w.direction),
+        }
+    }
+
+    /// By how much radiance scales on the way to the eye [E9].
+    pub(crate) fn radiance_scale(&self) -> f32 {
+        match self {
+            Self::Mirror(_) => 1.0,
+            Self::Interface(w) => w.radiance_scale,
+        }
+    }
+}
+
+/// The BSDF where a ray met a surface.
+#[derive(Debug, Clone)]
+pub(crate) struct Bsdf {
+    frame: Frame,
+    pub(crate) scatter: Scatter,
+    pub(crate) delta: ArrayVec<DeltaLobe, MOST>,
+}
+
+impl Bsdf {
+    /// Of a material, in a frame.
+    pub(crate) fn new(m: &PackedMaterial, frame: Frame) -> Self {
+        let mut delta = ArrayVec::new();
+        if m.flags().is_dielectric() {
+            let [reflection, transmission] = dielectric::ways(m, &frame);
+            delta.push(DeltaLobe::Interface(reflection));
+            delta.push(DeltaLobe::Interface(transmission));
+        } else if m.flags().has_delta() {
+            delta.push(DeltaLobe::Mirror(Mirror { albedo: m.specular, exponent: m.specular_exponent }));
+        }
+        Self { frame, scatter: Scatter::of(m), delta }
+    }
+
+    /// Where a ray met a surface.
+    pub(crate) fn at(s: &SurfaceInteraction) -> Self {
+        Self::new(s.material, s.frame())
+    }
+
+    /// Part of the flux that takes each lobe, as max over bands of (albedo × carried) over that of carried.
+    pub(crate) fn shares(&self, carried: &Bands) -> Shares {
+        let scale = 1.0 / max(carried);
+        let share = |albedo: &Bands| max(&mul(albedo, carried)) * scale;
+        let mut delta = [0.0; MOST];
+        for (share_of, lobe) in delta.iter_mut().zip(&self.delta) {
+            *share_of = share(&lobe.albedo());
+        }
+        Shares { scatter: share(&self.scatter.albedo()), delta }
+    }
+
+    /// The share with which an eye path stops here: lights without area, where there are any, are seen in a narrow lobe only from a path
+    /// that stops.
+    pub(crate) fn stop_share(&self, shares: &Shares, has_delta_lights: bool) -> f32 {
+        let looks = has_delta_lights && self.narrow().is_some();
+        if looks { shares.scatter.max(NARROW_STOPS * shares.delta[0]) } else { shares.scatter }
+    }
+
+    /// The delta lobe that has a width.
+    pub(crate) fn narrow(&self) -> Option<Phong> {
+        self.delta.iter().find_map(|lobe| match lobe {
+            DeltaLobe::Mirror(m) => m.narrow(),
+            DeltaLobe::Interface(_) => None,
+        })
+    }
+
+    /// f_r of the lobes that scatter, 1/sr, of light from `wi` toward where the ray came from.
+    #[inline]
+    pub(crate) fn eval_scatter(&self, wi: Vec3) -> Bands {
+        self.scatter.eval(wi, self.frame.back, self.frame.ns)
+    }
+
+    /// f_r of a narrow lobe, likewise, for lights without area: following it never meets them [E6].
+    pub(crate) fn eval_narrow(&self, wi: Vec3) -> Bands {
+        self.narrow().map_or(BLACK, |lobe| lobe.eval(wi, self.frame.back, self.frame.ns))
+    }
+
+    /// pdf_solid_angle of [`Bsdf::sample_scatter`].
+    pub(crate) fn pdf_scatter(&self, wi: Vec3) -> f32 {
+        self.scatter.pdf(wi, self.frame.back, self.frame.ns)
+    }
+
+    /// A direction of the lobes that scatter; none below the surface.
+    pub(crate) fn sample_scatter(&self, u_lobe: f32, u: [f32; 2]) -> Option<Vec3> {
+        self.scatter.sample(self.frame.back, self.frame.ns, u_lobe, u)
+    }
+
+    /// f_r cosθ / pdf_solid_angle of a direction that was sampled so.
+    pub(crate) fn weight_scatter(&self, wi: Vec3) -> Bands {
+        self.scatter.weight(wi, self.frame.back, self.frame.ns)
+    }
+
+    /// A direction of a delta lobe; none below the surface.
+    pub(crate) fn sample_delta(&self, lobe: usize, u: [f32; 2]) -> Option<Vec3> {
+        self.delta[lobe].sample(&self.frame, u)
+    }
+
+    /// What of a path's throughput goes on by a delta lobe, as radiance.
+    pub(crate) fn through_delta(&self, lobe: usize, throughput: &Bands) -> Bands {
+        let lobe = &self.delta[lobe];
+        scale(&mul(throughput, &lobe.albedo()), lobe.radiance_scale())
+    }
+}
+
+/// Part of the flux that takes each lobe.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shares {
+    /// Those that scatter, together.
+    pub(crate) scatter: f32,
+    /// Each delta lobe; 0 where there is none.
+    pub(crate) delta: [f32; MOST],
+}
+
+impl Shares {
+    /// All delta lobes.
+    pub(crate) fn followed(&self) -> f32 {
+        self.delta.iter().sum()
+    }
+
+    /// All lobes.
+    pub(crate) fn kept(&self) -> f32 {
+        self.scatter + self.followed()
+    }
+
+    /// The delta lobe that `u` in [0, [`Shares::followed`]) falls on; never one without a share, whatever rounding says.
+    pub(crate) fn pick_delta(&self, u: f32) -> usize {
+        let second = self.delta[1] > 0.0 && u >= self.delta[0];
+        usize::from(second)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::rng::{random4, sobol2};
+    use crate::sampling::rng::random4;
     use crate::scene::Material;
-
-    /// Values from the equations: ((n−1)/(n+1))² head on, 0 at Brewster's angle for half the light, 1 beyond critical.
-    #[test]
-    fn fresnel_has_its_textbook_values() {
-        assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-6);
-        assert!((fresnel(1.0, 1.0 / 1.5) - 0.04).abs() < 1e-6);
-        // 45° into glass: Rs = 0.0920, Rp = Rs² = 0.00847
-        assert!((fresnel(std::f32::consts::FRAC_1_SQRT_2, 1.5) - 0.050_23).abs() < 1e-4);
-        // Brewster: tan θ = n; only the perpendicular half reflects: ½ ((1 − n²)/(1 + n²))²
-        let cos_brewster = 1.0 / (1.0f32 + 1.5 * 1.5).sqrt();
-        assert!((fresnel(cos_brewster, 1.5) - 0.5 * (1.25f32 / 3.25).powi(2)).abs() < 1e-5);
-        let critical = (1.0f32 - 1.0 / 2.25).sqrt();
-        assert_eq!(fresnel(critical - 1e-3, 1.0 / 1.5), 1.0);
-        assert!(fresnel(critical + 1e-2, 1.0 / 1.5) < 0.9);
-        assert_eq!(fresnel(0.0, 1.5), 1.0);
-    }
-
-    /// A pane reflects what the sum over all ways between its faces says: R + (1−R)² R Σ R^2k.
-    #[test]
-    fn panes_add_up_their_faces() {
-        for i in 0..=10 {
-            let r = i as f32 / 10.0;
-            let sum = r + (1.0 - r) * (1.0 - r) * r * (0..2000).map(|k| r.powi(2 * k)).sum::<f32>();
-            assert!((pane_reflectance(r) - if i == 10 { 1.0 } else { sum }).abs() < 1e-5, "{r}");
-        }
-    }
-
-    #[test]
-    fn refraction_obeys_snell_and_reverses() {
-        for i in 0..200 {
-            let [a, b] = sobol2(i, 5);
-            let d = -cosine_hemisphere([a, b]);
-            let t = refract(d, Vec3::Z, 1.0 / 1.5).expect("no total reflection into the denser side");
-            assert!((d.cross(Vec3::Z).length() - 1.5 * t.cross(Vec3::Z).length()).abs() < 1e-5);
-            let again = refract(-t, -Vec3::Z, 1.5).expect("reversible");
-            assert!((again + d).length() < 1e-3, "{again} against {d}");
-        }
-    }
+    use std::f32::consts::TAU;
 
     fn glossy(exponent: f32) -> PackedMaterial {
         PackedMaterial::new(&Material {
@@ -191,19 +308,19 @@ mod tests {
     /// Sampling by its pdf gives the same albedo as uniform directions do; f is symmetric.
     #[test]
     fn glossy_sampling_matches_its_pdf() {
-        let (m, n) = (glossy(30.0), Vec3::Z);
+        let (m, n) = (Scatter::of(&glossy(30.0)), Vec3::Z);
         let wo = Vec3::new(0.6, 0.0, 0.8);
         let count = 1 << 17;
         let (mut by_lobe, mut by_cone, mut total_pdf) = (0.0, 0.0, 0.0);
         for i in 0..count {
             let [a, b, c, _] = random4(1, 0, i, 0);
-            if let Some(wi) = sample_d(&m, wo, n, c, [a, b]) {
-                by_lobe += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z / pdf_d(&m, wi, wo, n));
+            if let Some(wi) = m.sample(wo, n, c, [a, b]) {
+                by_lobe += f64::from(m.eval(wi, wo, n)[0] * wi.z / m.pdf(wi, wo, n));
             }
             let wi = crate::sampling::distributions::cone([a, b], 1.0);
-            by_cone += f64::from(eval_d(&m, wi, wo, n)[0] * wi.z * TAU);
-            total_pdf += f64::from(pdf_d(&m, wi, wo, n) * TAU);
-            assert!((eval_d(&m, wi, wo, n)[0] - eval_d(&m, wo, wi, n)[0]).abs() < 1e-4);
+            by_cone += f64::from(m.eval(wi, wo, n)[0] * wi.z * TAU);
+            total_pdf += f64::from(m.pdf(wi, wo, n) * TAU);
+            assert!((m.eval(wi, wo, n)[0] - m.eval(wo, wi, n)[0]).abs() < 1e-4);
         }
         let n = f64::from(count);
         assert!((by_lobe / by_cone - 1.0).abs() < 0.02, "{} {}", by_lobe / n, by_cone / n);

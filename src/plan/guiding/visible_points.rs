@@ -146,6 +146,6 @@ pub(in crate::plan) fn step(
 ) -> Option<(bool, (Ray, Bands))> {
     let probabilities = EventProbabilities::new(s, flux, event);
     let way = probabilities.choose(u_way)?;
-    let leaving = probabilities.direction(s, way, u_lobe, [u0, u1])?;
+    let leaving = probabilities.direction(way, u_lobe, [u0, u1])?;
     Some((way == SCATTERED, (s.leave(leaving), probabilities.carried(way, flux))))
 }
