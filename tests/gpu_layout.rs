@@ -3,7 +3,8 @@
 mod common;
 
 use common::{Row, Snippet};
-use joton::packed::layout::{self, GpuStruct};
+use joton::packed::gpu_struct::GpuStruct;
+use joton::packed::layout;
 use naga::proc::Layouter;
 
 /// A struct as one side sees it.
@@ -60,7 +61,7 @@ macro_rules! for_every_struct {
 
 #[test]
 fn rust_and_naga_agree_on_every_offset() {
-    let wgsl = layout::declarations();
+    let wgsl = joton::packed::wgsl::declarations();
     let mut compared = Vec::new();
     macro_rules! compare {
         ($($ty:ty,)*) => {

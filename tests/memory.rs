@@ -12,7 +12,7 @@ use joton::estimators::split_paths::{Light, Look, SplitPaths};
 use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer};
 use joton::packed::PackedScene;
-use joton::packed::layout::row_bucket;
+use joton::packed::constants::row_bucket;
 use joton::packed::scatter_area_points;
 use joton::plan::buffers::{
     AREA_KEY_BITS, Buffer, BufferPlan, area_points_most, area_points_wanted, expected_shapes, fit,

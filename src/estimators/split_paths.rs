@@ -3,7 +3,7 @@
 
 use crate::film::neighbours::around;
 use crate::film::{Film, Layer, RELATIVE_OFFSET};
-use crate::packed::layout::{GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS};
+use crate::packed::constants::{GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS};
 use crate::sampling::rng::purpose::STREAM_TURN;
 use crate::sampling::rng::sequence_seed;
 use crate::spectrum::{BANDS, Bands};

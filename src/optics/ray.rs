@@ -1,7 +1,7 @@
 //! Rays and what they meet: surfaces with both normals turned toward where the ray came from.
 
 use crate::optics::shading::frame::Frame;
-use crate::packed::layout::{LIFT, LIFT_LEAST};
+use crate::packed::constants::{LIFT, LIFT_LEAST};
 use crate::packed::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH};
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 //! The camera in internal units, and its rays, which keep their digits however far away it is. Twin:
 //! shaders/camera/camera.wgsl.
 
-use crate::packed::layout::SCENE_RADIUS;
+use crate::packed::constants::SCENE_RADIUS;
 use crate::scene::Camera;
 use glam::{DVec3, Vec3};
 

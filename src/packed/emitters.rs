@@ -1,7 +1,8 @@
 //! Emitters: emissive triangles, points, spots and suns in one list, picked with probability proportional to flux.
 
 use super::surfaces::{NO_EMITTER, PackedTriangle};
-use crate::packed::layout::{SCENE_RADIUS, gpu_struct};
+use crate::packed::constants::SCENE_RADIUS;
+use crate::packed::gpu_struct::gpu_struct;
 use crate::scene::{Light, Scene};
 use crate::spectrum::{Bands, is_black, scale, sum};
 use glam::{DVec3, Vec3};
@@ -23,6 +24,16 @@ pub enum EmitterKind {
     /// A sun: `origin` is the centre of a disc outside the scene, `e1` the direction of travel, `e2.x` the disc's
     /// radius; `strength` is irradiance across the beam.
     Sun = 3,
+}
+
+impl EmitterKind {
+    /// Name and value of each kind, as the kernels know it.
+    pub(super) const NAMED: [(&str, u32); 4] = [
+        ("EMITTER_TRIANGLE", Self::Triangle as u32),
+        ("EMITTER_POINT", Self::Point as u32),
+        ("EMITTER_SPOT", Self::Spot as u32),
+        ("EMITTER_SUN", Self::Sun as u32),
+    ];
 }
 
 gpu_struct! {

@@ -2,7 +2,7 @@
 //! it through the functions of shaders/scene/scene.wgsl; [`SceneInfo`] says where each section begins.
 
 use crate::packed::accel::Node;
-use crate::packed::layout::{GpuStruct, gpu_struct};
+use crate::packed::gpu_struct::{GpuStruct, gpu_struct};
 use crate::packed::{PackedEmitter, PackedMaterial, PackedTriangle};
 use std::fmt::Write;
 

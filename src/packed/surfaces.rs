@@ -2,7 +2,7 @@
 
 use super::winding::corner;
 use crate::packed::accel::Face;
-use crate::packed::layout::gpu_struct;
+use crate::packed::gpu_struct::gpu_struct;
 use crate::scene::{Material, Scene};
 use crate::spectrum::{BLACK, Bands, is_black};
 use glam::Vec3;
@@ -96,6 +96,16 @@ impl MaterialFlags {
     pub(crate) const DIELECTRIC: u32 = 8;
     pub(crate) const EMISSIVE: u32 = 16;
     pub(crate) const THIN: u32 = 32;
+
+    /// Name and value of each bit, as the kernels know it.
+    pub(super) const NAMED: [(&str, u32); 6] = [
+        ("DIFFUSE", Self::DIFFUSE),
+        ("GLOSSY", Self::GLOSSY),
+        ("SPECULAR", Self::SPECULAR),
+        ("DIELECTRIC", Self::DIELECTRIC),
+        ("EMISSIVE", Self::EMISSIVE),
+        ("THIN", Self::THIN),
+    ];
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
     pub fn has_diffuse(self) -> bool {

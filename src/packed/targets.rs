@@ -1,7 +1,7 @@
 //! Targets: bounding spheres of the specular bodies. Light of class L S+ D must go there first.
 
 use super::surfaces::{PackedMaterial, PackedTriangle};
-use crate::packed::layout::gpu_struct;
+use crate::packed::gpu_struct::gpu_struct;
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 

@@ -9,9 +9,11 @@ use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::{SplitPaths, TREES_MAX};
 use crate::film::{LAYERS, Layer, host_bytes};
+use crate::packed::constants::{
+    SMALL_EMITTERS, SMALL_MATERIALS, SMALL_NODES, SMALL_TRIANGLES, TILE, TILES_VECTORS,
+};
 use crate::packed::layout::{
-    AreaPoint, Clip, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, SMALL_EMITTERS,
-    SMALL_MATERIALS, SMALL_NODES, SMALL_TRIANGLES, TILE, TILES_VECTORS, status,
+    AreaPoint, Clip, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, status,
 };
 use crate::packed::{
     HEAP_WORD, HeapCounts, HeapLayout, MAX_TARGETS, MAX_WARPS, PackedScene, SceneInfo, Target,

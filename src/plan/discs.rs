@@ -5,7 +5,7 @@ use super::Plan;
 use super::grid::Grid;
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::PackedScene;
-use crate::packed::layout::{CLIP_LIFT, CLIP_RAYS, GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
+use crate::packed::constants::{CLIP_LIFT, CLIP_RAYS, GATHER_NORMAL_COS, GATHER_PLANE_SHARE};
 use crate::plan::CAUSTIC_FOOTPRINTS;
 use crate::sampling::distributions::unit_circle;
 use glam::Vec3;

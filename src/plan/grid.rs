@@ -1,7 +1,7 @@
 //! Grid: the hashed grid in which a device sorts jotons and area points, and which of its buckets a disc looks through.
 //! Twin: shaders/maps/grid.wgsl.
 
-use crate::packed::layout::{CELLS_PER_RADIUS, row_bucket};
+use crate::packed::constants::{CELLS_PER_RADIUS, row_bucket};
 use glam::Vec3;
 use std::ops::Range;
 

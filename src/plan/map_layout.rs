@@ -2,7 +2,7 @@
 
 use super::traffic::Mean;
 use crate::estimators::maps::MapKind;
-use crate::packed::layout::STEP_BUDGET;
+use crate::packed::constants::STEP_BUDGET;
 use std::ops::Range;
 
 /// What a device is, as far as sizes follow from it.

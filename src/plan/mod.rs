@@ -3,6 +3,7 @@
 pub mod buffers;
 mod discs;
 mod facts;
+mod features;
 pub mod grid;
 mod guiding;
 pub mod kernels;
@@ -12,7 +13,9 @@ mod skip;
 pub mod strips;
 pub mod traffic;
 
+pub use features::Features;
 pub use pilot::Pilot;
+use skip::Skips;
 pub use skip::{Part, Reason, Skip};
 
 use crate::estimators::maps::MapKind;
@@ -99,25 +102,6 @@ pub struct Guides {
     pub direct: Guide,
 }
 
-/// What the kernels must be able to do for this scene; the rest is compiled out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Features {
-    /// Some triangle has shading normals.
-    pub smooth_normals: bool,
-    /// Some surface mirrors.
-    pub specular: bool,
-    /// Some surface is a dielectric.
-    pub dielectric: bool,
-    /// Some surface has a glossy lobe.
-    pub glossy: bool,
-    /// Some emitter is not a triangle.
-    pub delta_lights: bool,
-    /// Some faces may lie in one place.
-    pub contacts: bool,
-    /// Only some light paths are wanted.
-    pub path_filter: bool,
-}
-
 /// A gather point's caustic radius lies between these multiples of its pixel's footprint …
 pub const CAUSTIC_FOOTPRINTS: [f32; 2] = [0.7, 4.0];
 /// … and is chosen so that about this many jotons are found in the pilot pass where emission is not steered. Where it is,
@@ -157,7 +141,7 @@ impl Plan {
             skips.must_skip(Part::OutOfReach, Reason::ClosedRoom);
         }
         let layers = layers(scene, &settings, &mut skips);
-        let features = features(scene, &settings, &mut skips);
+        let features = Features::of(scene, &settings, &mut skips);
         if let [light] = &scene.emitters[..]
             && light.kind != EmitterKind::Triangle as u32
             && settings.shadow_rays > 1
@@ -255,28 +239,6 @@ impl Plan {
     }
 }
 
-/// What is skipped, as it is decided.
-struct Skips {
-    keep: Vec<Part>,
-    skipped: Vec<Skip>,
-}
-
-impl Skips {
-    /// Skip a part, unless it is to be kept; whether it is skipped.
-    fn skip(&mut self, what: Part, why: Reason) -> bool {
-        let skips = !self.keep.contains(&what);
-        if skips {
-            self.skipped.push(Skip { what, why });
-        }
-        skips
-    }
-
-    /// Skip a part that there is no way to keep.
-    fn must_skip(&mut self, what: Part, why: Reason) {
-        self.skipped.push(Skip { what, why });
-    }
-}
-
 /// Which layers are traced.
 fn layers(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> [bool; LAYERS] {
     let wanted = settings.paths.layers();
@@ -313,28 +275,6 @@ fn layers(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> [bool;
             None => true,
         }
     })
-}
-
-/// What the kernels must be able to do.
-fn features(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> Features {
-    let mut needs = |needed: bool, part, why| needed || !skips.skip(part, why);
-    Features {
-        specular: needs(
-            facts::has(scene, |m| m.has_delta() && !m.is_dielectric()),
-            Part::Mirrors,
-            Reason::NoMirror,
-        ),
-        dielectric: needs(facts::has(scene, |m| m.is_dielectric()), Part::Refraction, Reason::NoDielectric),
-        glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
-        smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
-        delta_lights: needs(
-            scene.emitters.iter().any(|e| e.kind != EmitterKind::Triangle as u32),
-            Part::DeltaLights,
-            Reason::AllLightsAreSurfaces,
-        ),
-        contacts: needs(scene.has_contacts, Part::Contacts, Reason::NothingTouches),
-        path_filter: needs(!settings.paths.is_everything(), Part::PathFilter, Reason::AllPathsWanted),
-    }
 }
 
 /// What is learned of a scene.

@@ -258,6 +258,28 @@ impl Reason {
     }
 }
 
+/// What is skipped, as it is decided.
+pub(super) struct Skips {
+    pub(super) keep: Vec<Part>,
+    pub(super) skipped: Vec<Skip>,
+}
+
+impl Skips {
+    /// Skip a part, unless it is to be kept; whether it is skipped.
+    pub(super) fn skip(&mut self, what: Part, why: Reason) -> bool {
+        let skips = !self.keep.contains(&what);
+        if skips {
+            self.skipped.push(Skip { what, why });
+        }
+        skips
+    }
+
+    /// Skip a part that there is no way to keep.
+    pub(super) fn must_skip(&mut self, what: Part, why: Reason) {
+        self.skipped.push(Skip { what, why });
+    }
+}
+
 impl Serialize for Skip {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         use serde::ser::SerializeStruct;

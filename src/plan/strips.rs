@@ -1,6 +1,6 @@
 //! Strips: the image cut into rows of which a device holds some at a time.
 
-use crate::packed::layout::TILE;
+use crate::packed::constants::TILE;
 
 /// The image in strips of rows, one of which is on the device at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
-use crate::packed::layout::{NEAR_EMITTERS_MAX, UNSEEN_STORED};
+use crate::packed::constants::{NEAR_EMITTERS_MAX, UNSEEN_STORED};
 use crate::sampling::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
 use crate::spectrum::{BANDS, Bands};

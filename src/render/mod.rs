@@ -270,7 +270,7 @@ mod tests {
             passes += batch(passes, u32::MAX, PASSES_MAX);
         }
         assert_eq!(passes - 1, u64::from(u32::MAX) - 1);
-        let last = u64::from(crate::packed::layout::PILOT_PASS);
+        let last = u64::from(crate::packed::constants::PILOT_PASS);
         assert_eq!(PASSES_MAX, last, "the pilot's pass comes after all others");
     }
 

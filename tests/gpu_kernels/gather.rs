@@ -8,7 +8,8 @@ use glam::Vec3;
 use joton::backend::gpu::harness::{Harness, Work, encode_direction};
 use joton::backend::gpu::{Context, Kernel, Variant, link};
 use joton::packed::PackedMaterial;
-use joton::packed::layout::{Clip, Fit, GatherPoint, Joton, MapInfo, PathState, row_bucket, status};
+use joton::packed::constants::row_bucket;
+use joton::packed::layout::{Clip, Fit, GatherPoint, Joton, MapInfo, PathState, status};
 use joton::scene::Material;
 use std::f64::consts::{PI, TAU};
 

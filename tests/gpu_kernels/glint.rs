@@ -7,9 +7,8 @@ use crate::device_or_return;
 use joton::backend::gpu::Context;
 use joton::backend::gpu::harness::{Harness, PATTERN, Work};
 use joton::packed::PackedScene;
-use joton::packed::layout::{
-    GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS, GatherPoint, PILOT_PASS, PassInfo, STEP_BUDGET, status,
-};
+use joton::packed::constants::{GLINT_PIXEL_BITS, GLINT_TREES, GLINT_TURNS, PILOT_PASS, STEP_BUDGET};
+use joton::packed::layout::{GatherPoint, PassInfo, status};
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 

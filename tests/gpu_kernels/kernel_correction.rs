@@ -8,9 +8,8 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 use joton::backend::gpu::Context;
 use joton::backend::gpu::harness::{Harness, PATTERN, Work};
-use joton::packed::layout::{
-    Clip, EDGE_CUT, EDGE_OTHERS, Fit, GatherPoint, Joton, MapInfo, PILOT_PASS, PathState, status,
-};
+use joton::packed::constants::{EDGE_CUT, EDGE_OTHERS, PILOT_PASS};
+use joton::packed::layout::{Clip, Fit, GatherPoint, Joton, MapInfo, PathState, status};
 use joton::packed::{PackedMaterial, PackedScene};
 use joton::scene::Material;
 use std::f32::consts::PI;

@@ -6,7 +6,8 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 use joton::backend::gpu::Context;
 use joton::backend::gpu::harness::{Harness, PATTERN, Work};
-use joton::packed::layout::{Joton, MapInfo, PathState, row_bucket, status};
+use joton::packed::constants::row_bucket;
+use joton::packed::layout::{Joton, MapInfo, PathState, status};
 use joton::sampling::rng::{pcg4d, random4};
 
 /// PathState.status of a lane that has traced all.

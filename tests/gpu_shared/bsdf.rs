@@ -5,7 +5,7 @@ use crate::device_or_return;
 use glam::{DVec3, Vec3};
 use joton::optics::shading::phong::Phong;
 use joton::packed::PackedMaterial;
-use joton::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
+use joton::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};
 use joton::scene::{Dielectric, Material};
 use std::f64::consts::{PI, TAU};
 

@@ -3,7 +3,7 @@
 use crate::common::{Row, Snippet, floats, random, row3};
 use crate::device_or_return;
 use glam::Vec3;
-use joton::packed::layout::row_bucket;
+use joton::packed::constants::row_bucket;
 
 #[test]
 fn cells_rows_and_columns_are_rusts() {

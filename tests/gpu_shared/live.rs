@@ -11,7 +11,7 @@ fn live_pixels_and_indices_are_the_hosts() {
     let context = device_or_return!();
     let size = [20, 12];
     let schedule = TileSchedule::new(size, vec![3, 0, 1, 4, 0, 2]);
-    for pass_index in [0u32, 1, 5, 16, 32, 80, 1000, joton::packed::layout::PILOT_PASS] {
+    for pass_index in [0u32, 1, 5, 16, 32, 80, 1000, joton::packed::constants::PILOT_PASS] {
         let mut pass = pass_info();
         pass.set_image(size);
         pass.pass_index = pass_index;

@@ -7,7 +7,7 @@ use super::maps::AreaMap;
 use super::window::Window;
 use crate::film::neighbours::around;
 use crate::packed::PackedScene;
-use crate::packed::layout::{CLIP_GRAZING, CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
+use crate::packed::constants::{CLIP_GRAZING, CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
 use crate::sampling::distributions::{basis, unit_circle};
 use glam::Vec3;
 use std::f32::consts::PI;

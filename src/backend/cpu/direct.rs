@@ -11,7 +11,7 @@ use crate::optics::lights::emit::kind;
 use crate::optics::lights::reservoir::Reservoir;
 use crate::optics::lights::sample::{LightSample, pdf_light, sample_light};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
-use crate::packed::layout::{NEAR_EMITTERS_MAX, NEAR_WIDTH};
+use crate::packed::constants::{NEAR_EMITTERS_MAX, NEAR_WIDTH};
 use crate::packed::{EmitterKind, PackedEmitter, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence2};

@@ -6,7 +6,7 @@ use crate::backend::Tally;
 use crate::film::paths::LightPaths;
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
-use crate::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
+use crate::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};
 use crate::packed::{CameraRay, PackedScene, PackedTriangle};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence_seed, sobol2};

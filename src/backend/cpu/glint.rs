@@ -10,7 +10,7 @@ use crate::backend::Tally;
 use crate::estimators::split_paths::{Light, Look, SplitPaths, is_mixed};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
-use crate::packed::layout::{PILOT_TREES, WAITING_MAX};
+use crate::packed::constants::{PILOT_TREES, WAITING_MAX};
 use crate::packed::{CameraRay, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, seed_at, sequence2};

@@ -7,7 +7,7 @@
 use super::eye::GatherPoint;
 use super::maps::AreaMap;
 use super::window::Window;
-use crate::packed::layout::{DISC_DETERMINANT, FIT_AMPLIFICATION_MAX, FIT_DETERMINANT_MIN};
+use crate::packed::constants::{DISC_DETERMINANT, FIT_AMPLIFICATION_MAX, FIT_DETERMINANT_MIN};
 use glam::{Vec3, Vec4};
 use std::f32::consts::PI;
 

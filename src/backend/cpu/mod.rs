@@ -29,7 +29,7 @@ use crate::estimators::radii::{area_group, shrink};
 use crate::estimators::split_paths::SplitPaths;
 use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
-use crate::packed::layout::PILOT_PASS;
+use crate::packed::constants::PILOT_PASS;
 use crate::packed::{PackedScene, scatter_area_points};
 use crate::plan::{Part, Plan};
 use crate::sampling::rng::sequence_seed;

@@ -12,7 +12,7 @@ use crate::film::{LAYERS, Layer};
 use crate::optics::lights::sample::{pdf_light, sample_light};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
 use crate::optics::shading::bsdf::Bsdf;
-use crate::packed::layout::SURVIVAL_MAX;
+use crate::packed::constants::SURVIVAL_MAX;
 use crate::packed::{CameraRay, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::random4;

@@ -12,7 +12,7 @@ use crate::film::paths::{Event, LightPaths};
 use crate::film::tile_schedule::TILE;
 use crate::film::{LAYERS, Layer};
 use crate::packed::PackedScene;
-use crate::packed::layout::CLIP_KEPT_MIN;
+use crate::packed::constants::CLIP_KEPT_MIN;
 use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
 use crate::spectrum::{Bands, add};
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 //! Twin: shaders/paths/splits.wgsl.
 
 use crate::optics::shading::bsdf::Shares;
-use crate::packed::layout::SPLIT_MIN;
+use crate::packed::constants::SPLIT_MIN;
 
 /// Along a path from the eye.
 #[derive(Debug, Clone, Copy)]

@@ -13,7 +13,7 @@ use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
-use crate::packed::layout::{ADJOINT_MAX, UNSEEN_STORED};
+use crate::packed::constants::{ADJOINT_MAX, UNSEEN_STORED};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence2};
 use crate::spectrum::{BANDS, Bands, max, mul, scale};

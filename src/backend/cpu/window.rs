@@ -2,7 +2,7 @@
 
 use super::eye::GatherPoint;
 use super::maps::{AreaMap, Four};
-use crate::packed::layout::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE, GATHER_SHEET_SHARE};
+use crate::packed::constants::{GATHER_NORMAL_COS, GATHER_PLANE_SHARE, GATHER_SHEET_SHARE};
 use crate::sampling::distributions::basis;
 use glam::{BVec4A, Vec3, Vec4};
 

@@ -10,7 +10,8 @@ use crate::error::Result;
 use crate::estimators::maps::MapKind;
 use crate::film::Layer;
 use crate::packed::PackedScene;
-use crate::packed::layout::{PassInfo, STEP_BUDGET, STEP_BUDGET_HARDWARE};
+use crate::packed::constants::{STEP_BUDGET, STEP_BUDGET_HARDWARE};
+use crate::packed::layout::PassInfo;
 use crate::plan::buffers::{heap_layout, heap_part, is_split};
 use crate::plan::map_layout::MapLayouts;
 use crate::plan::{CAUSTIC_FOOTPRINTS, Part, Plan};
@@ -35,22 +36,15 @@ impl Kernels {
     /// # Errors
     /// [`crate::Error::Device`] where a kernel does not compile.
     pub(super) fn new(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Self> {
-        let f = &plan.features;
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
         let mut features = vec![
             (SMALL_SCENE, flag(scene_buffers::is_small(context, scene))),
-            ("HAS_SMOOTH", flag(f.smooth_normals)),
-            ("HAS_SPECULAR", flag(f.specular)),
-            ("HAS_DIELECTRIC", flag(f.dielectric)),
-            ("HAS_GLOSSY", flag(f.glossy)),
-            ("HAS_DELTA_LIGHTS", flag(f.delta_lights)),
-            ("HAS_CONTACTS", flag(f.contacts)),
-            ("HAS_PATH_FILTER", flag(f.path_filter)),
             (
                 "CAMERA_STEPS",
                 f64::from(if context.is_software() { STEP_BUDGET } else { STEP_BUDGET_HARDWARE }),
             ),
         ];
+        features.extend(plan.features.named().map(|(name, on)| (name, flag(on))));
         if is_split(heap_layout(scene, plan).bytes(), &context.machine()) {
             features.push((HEAP_PART, f64::from(heap_part(&context.machine()))));
         }

@@ -2,73 +2,10 @@
 //! in any order, so each file is appended once.
 
 use crate::error::{Error, Result};
-use crate::packed::layout;
+use crate::packed::wgsl;
 
-macro_rules! sources {
-    ($($path:literal),* $(,)?) => {
-        /// Every shader file: path under shaders/, text.
-        pub const SOURCES: &[(&str, &str)] = &[$(($path, include_str!(concat!("../../../shaders/", $path)))),*];
-    };
-}
-
-sources![
-    "passes/eye.wgsl",
-    "passes/glint.wgsl",
-    "passes/glint_mark.wgsl",
-    "passes/glint_sum.wgsl",
-    "passes/direct.wgsl",
-    "passes/trace.wgsl",
-    "passes/lane_counts.wgsl",
-    "passes/scan.wgsl",
-    "passes/map_keys.wgsl",
-    "passes/radix.wgsl",
-    "passes/map_starts.wgsl",
-    "passes/map_reorder.wgsl",
-    "passes/kernel_correction.wgsl",
-    "passes/clip_planes.wgsl",
-    "passes/gather.wgsl",
-    "passes/caustic_count.wgsl",
-    "passes/caustic_radius.wgsl",
-    "sampling/rng.wgsl",
-    "sampling/sampling.wgsl",
-    "lights/reservoir.wgsl",
-    "shading/bsdf.wgsl",
-    "accel/intersect.wgsl",
-    "accel/crossing.wgsl",
-    "shading/surface.wgsl",
-    "shading/material.wgsl",
-    "shading/lobes.wgsl",
-    "shading/lambert.wgsl",
-    "shading/phong.wgsl",
-    "shading/mirror.wgsl",
-    "shading/dielectric.wgsl",
-    "paths/gather_point.wgsl",
-    "lights/emitter.wgsl",
-    "lights/emit.wgsl",
-    "lights/cone.wgsl",
-    "lights/warp.wgsl",
-    "maps/visible_cells.wgsl",
-    "camera/camera.wgsl",
-    "paths/survival.wgsl",
-    "paths/path_state.wgsl",
-    "paths/paths.wgsl",
-    "paths/splits.wgsl",
-    "paths/trees.wgsl",
-    "maps/clip_planes.wgsl",
-    "maps/grid.wgsl",
-    "dispatch/index.wgsl",
-    "camera/live.wgsl",
-    "dispatch/count.wgsl",
-    "camera/strip.wgsl",
-    "maps/lanes.wgsl",
-    "maps/lanes_alone.wgsl",
-    "scene/scene.wgsl",
-    "scene/scene_small.wgsl",
-    "scene/records.wgsl",
-    "scene/heap.wgsl",
-    "scene/heap_split.wgsl",
-    "scene/features.wgsl",
-];
+/// Every shader file: path under shaders/, text.
+pub const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// Which of two files a kernel is linked with.
 #[derive(Debug, Clone, Copy, Default)]
@@ -94,7 +31,7 @@ pub fn link(path: &str, variant: Variant) -> Result<String> {
 /// # Errors
 /// [`Error::Device`] where an import names no file.
 pub fn link_source(text: &str, variant: Variant) -> Result<String> {
-    let mut linked = layout::declarations();
+    let mut linked = wgsl::declarations();
     let mut done: Vec<&str> = Vec::new();
     append(text, &mut linked, &mut done)?;
     for (wanted, file, other) in [
@@ -125,6 +62,6 @@ fn append<'a>(text: &'a str, linked: &mut String, done: &mut Vec<&'a str>) -> Re
 
 fn find(path: &str) -> Result<&'static str> {
     SOURCES.iter().find(|(name, _)| *name == path).map(|(_, text)| *text).ok_or_else(|| {
-        Error::device(format!("shader file {path} does not exist"), "add it to gpu/shaders.rs")
+        Error::device(format!("shader file {path} does not exist"), "write it, or correct the import")
     })
 }

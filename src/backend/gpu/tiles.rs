@@ -1,7 +1,7 @@
 //! Tiles: the list of tiles on the device, those that rest least first, so that the live ones of a pass are its head [E21].
 
 use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
-use crate::packed::layout::{TILE_BITS, TILES_VECTORS};
+use crate::packed::constants::{TILE_BITS, TILES_VECTORS};
 
 /// Tiles that one binding, and so one dispatch, sees.
 pub(super) const TILES_PER_DISPATCH: u32 = TILES_VECTORS * 4;

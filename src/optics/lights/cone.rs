@@ -2,7 +2,7 @@
 //! angles by their sines, since cosines of small ones have none. Sizes of cones are 1 − cos of the half angle.
 //! Twin: shaders/lights/cone.wgsl.
 
-use crate::packed::layout::SCENE_RADIUS;
+use crate::packed::constants::SCENE_RADIUS;
 use crate::packed::{FAR, PackedEmitter, Target};
 use crate::sampling::distributions::{basis, cone};
 use glam::Vec3;

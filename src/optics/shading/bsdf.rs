@@ -11,7 +11,7 @@ use crate::optics::shading::lambert::Lambert;
 use crate::optics::shading::mirror::Mirror;
 use crate::optics::shading::phong::Phong;
 use crate::packed::PackedMaterial;
-use crate::packed::layout::NARROW_STOPS;
+use crate::packed::constants::NARROW_STOPS;
 use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
 use arrayvec::ArrayVec;
 use glam::Vec3;

@@ -2,7 +2,7 @@
 
 use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::bsdf::Bsdf;
-use crate::packed::layout::{SURE_EVENTS, SURVIVAL_MAX};
+use crate::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};
 use crate::spectrum::{Bands, add, mul, scale};
 use glam::Vec3;
 

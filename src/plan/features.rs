@@ -1,0 +1,66 @@
+//! Features: what the kernels must be able to do for a scene; the rest is compiled out.
+
+use super::Settings;
+use super::facts;
+use super::skip::{Part, Reason, Skips};
+use crate::packed::{EmitterKind, PackedScene};
+
+/// What the kernels must be able to do for this scene; the rest is compiled out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Features {
+    /// Some triangle has shading normals.
+    pub smooth_normals: bool,
+    /// Some surface mirrors.
+    pub specular: bool,
+    /// Some surface is a dielectric.
+    pub dielectric: bool,
+    /// Some surface has a glossy lobe.
+    pub glossy: bool,
+    /// Some emitter is not a triangle.
+    pub delta_lights: bool,
+    /// Some faces may lie in one place.
+    pub contacts: bool,
+    /// Only some light paths are wanted.
+    pub path_filter: bool,
+}
+
+impl Features {
+    /// What a scene needs.
+    pub(super) fn of(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> Self {
+        let mut needs = |needed: bool, part, why| needed || !skips.skip(part, why);
+        Self {
+            specular: needs(
+                facts::has(scene, |m| m.has_delta() && !m.is_dielectric()),
+                Part::Mirrors,
+                Reason::NoMirror,
+            ),
+            dielectric: needs(
+                facts::has(scene, |m| m.is_dielectric()),
+                Part::Refraction,
+                Reason::NoDielectric,
+            ),
+            glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
+            smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
+            delta_lights: needs(
+                scene.emitters.iter().any(|e| e.kind != EmitterKind::Triangle as u32),
+                Part::DeltaLights,
+                Reason::AllLightsAreSurfaces,
+            ),
+            contacts: needs(scene.has_contacts, Part::Contacts, Reason::NothingTouches),
+            path_filter: needs(!settings.paths.is_everything(), Part::PathFilter, Reason::AllPathsWanted),
+        }
+    }
+
+    /// The override of the kernels that each is, and its value.
+    pub fn named(&self) -> [(&'static str, bool); 7] {
+        [
+            ("HAS_SMOOTH", self.smooth_normals),
+            ("HAS_SPECULAR", self.specular),
+            ("HAS_DIELECTRIC", self.dielectric),
+            ("HAS_GLOSSY", self.glossy),
+            ("HAS_DELTA_LIGHTS", self.delta_lights),
+            ("HAS_CONTACTS", self.contacts),
+            ("HAS_PATH_FILTER", self.path_filter),
+        ]
+    }
+}
