@@ -1,6 +1,5 @@
 // Cones: rays into them that keep their digits where they arrive, however narrow the cone and far away its apex.
 // import: sampling/sampling.wgsl
-// import: scene/features.wgsl
 
 // The axis about which directions are drawn.
 struct Beam {
@@ -9,16 +8,6 @@ struct Beam {
     axis: vec3<f32>,
     // From the light to that place.
     distance: f32,
-}
-
-// Of a point or a spot.
-fn beam_of(e: PackedEmitter) -> Beam {
-    let far2 = dot(e.origin, e.origin);
-    if HAS_DELTA_LIGHTS && e.e2.z == 0.0 && far2 > FAR * FAR {
-        // a spot that is far away and wide: the cone that holds the scene has an axis of its own
-        return Beam(vec3(0.0), -e.origin * inverseSqrt(far2), sqrt(far2));
-    }
-    return Beam(e.origin, e.e1, e.e2.z);
 }
 
 struct ConeRay {

@@ -3,16 +3,13 @@
 // map has its emitters, with pick probabilities, and some a warp, that were learned [E20].
 // import: dispatch/index.wgsl
 // import: sampling/rng.wgsl
-// import: lights/emitter.wgsl
-// import: lights/cone.wgsl
+// import: lights/pick.wgsl
+// import: lights/triangle.wgsl
+// import: lights/point.wgsl
+// import: lights/sun.wgsl
+// import: lights/sun_aimed.wgsl
 // import: lights/warp.wgsl
 // reads  scene, targets, warps, map_info, pass_info
-
-struct Start {
-    origin: vec3<f32>,
-    direction: vec3<f32>,
-    flux: Bands,
-}
 
 // Seeds of the pairs that choose places and directions, for the indices of this pass …
 var<private> place_seeds: vec3<u32>;
@@ -46,12 +43,15 @@ fn emit(number: u32) -> Start {
         share /= steered.density;
     }
     if HAS_DELTA_LIGHTS && e.kind == EMITTER_SUN {
-        return emit_sun(e, v, share);
+        let count = own(pass_info.targets);
+        if CAUSTIC && count > 0u {
+            return sun_aimed(e, v, share, count);
+        }
+        return sun_by_law(e, v, share);
     }
-    var beam = beam_of(e);
+    var beam = point_beam(e);
     if is_triangle(e.kind) {
-        let b = sample_triangle(vec2(pick.rest, u.y));
-        beam = Beam(e.origin + b.x * e.e1 + b.y * e.e2, normalize(cross(e.e1, e.e2)), 0.0);
+        beam = triangle_beam(e, vec2(pick.rest, u.y));
     }
     var aim = Aim(vec3(0.0), 0u, vec3(0.0), 0.0);
     if CAUSTIC {
@@ -61,33 +61,14 @@ fn emit(number: u32) -> Start {
     if aim.hits > 0u && (is_triangle(e.kind) || aim.total < e.area) {
         let weight = share * aim.total / f32(aim.hits);
         if is_triangle(e.kind) {
-            let radiant = e.area * max(0.0, dot(aim.direction, beam.axis));
-            return Start(on_lamp(e, beam), aim.direction, e.strength * (radiant * weight));
+            return triangle_along(e, beam, aim.direction, weight);
         }
-        return start_in_cone(e, beam, ConeRay(aim.direction, aim.foot), weight);
+        return point_along(e, beam, ConeRay(aim.direction, aim.foot), weight);
     }
     if is_triangle(e.kind) {
-        let d = normalize(basis(beam.axis) * sample_cosine_hemisphere(v));
-        return Start(on_lamp(e, beam), d, e.flux * share);
+        return triangle_by_law(e, beam, v, share);
     }
-    return start_in_cone(e, beam, into_cone(beam.through, beam.axis, beam.distance, e.area / TAU, v), e.area * share);
-}
-
-// A place on an emissive triangle, lifted off its front.
-fn on_lamp(e: PackedEmitter, beam: Beam) -> vec3<f32> {
-    return beam.through + beam.axis * lift_of(beam.axis, abs(e.origin) + abs(e.e1) + abs(e.e2));
-}
-
-// Starts at the light or, where that is far away, before the scene; `weight` in sr.
-fn start_in_cone(e: PackedEmitter, beam: Beam, ray: ConeRay, weight: f32) -> Start {
-    let is_far = beam.distance > 0.0;
-    var radiant = e.strength;
-    if e.kind == EMITTER_SPOT {
-        let at = select(ray.direction, from_light(e, ray.foot), is_far);
-        radiant *= spot_falloff(one_minus_cos(at, e.e1), e.e2.x, e.e2.y);
-    }
-    let back = (SCENE_RADIUS + dot(ray.foot, beam.axis)) / dot(ray.direction, beam.axis);
-    return Start(select(beam.through, ray.foot - ray.direction * back, is_far), ray.direction, radiant * weight);
+    return point_by_law(e, beam, v, share);
 }
 
 struct Aim {
@@ -137,36 +118,4 @@ fn aim_at_targets(beam: Beam, v: vec2<f32>) -> Aim {
         aim.hits += select(0u, 1u, i == chosen || holds);
     }
     return Aim(ray.direction, aim.hits, ray.foot, aim.total * TAU);
-}
-
-// The sun's disc, or the discs of the targets along the beam.
-fn emit_sun(e: PackedEmitter, v: vec2<f32>, share: f32) -> Start {
-    let frame = basis(e.e1);
-    let count = own(pass_info.targets);
-    if CAUSTIC && count > 0u {
-        var total = 0.0;
-        for (var i = 0u; i < count; i += 1u) {
-            total += targets[i].radius * targets[i].radius;
-        }
-        var rest = v.x * total;
-        var chosen = 0u;
-        while chosen + 1u < count && rest >= targets[chosen].radius * targets[chosen].radius {
-            rest -= targets[chosen].radius * targets[chosen].radius;
-            chosen += 1u;
-        }
-        let t = targets[chosen];
-        let d = sample_disc(vec2(min(rest / (t.radius * t.radius), 0.99999994), v.y)) * t.radius;
-        let through = t.center + frame[0] * d.x + frame[1] * d.y;
-        var hits = 0u;
-        for (var i = 0u; i < count; i += 1u) {
-            let off = through - targets[i].center;
-            let across = off - e.e1 * dot(off, e.e1);
-            hits += select(0u, 1u, i == chosen || dot(across, across) <= targets[i].radius * targets[i].radius);
-        }
-        let origin = through - e.e1 * dot(through - e.origin, e.e1);
-        return Start(origin, e.e1, e.strength * (share * PI * total / f32(hits)));
-    }
-    // one direction, from any place: it is the place that can be steered
-    let d = sample_disc(v) * e.e2.x;
-    return Start(e.origin + frame[0] * d.x + frame[1] * d.y, e.e1, e.flux * share);
 }

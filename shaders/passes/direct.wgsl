@@ -12,7 +12,9 @@
 // import: shading/surface.wgsl
 // import: shading/material.wgsl
 // import: shading/lobes.wgsl
-// import: lights/emitter.wgsl
+// import: lights/pick.wgsl
+// import: lights/light.wgsl
+// import: lights/le.wgsl
 // import: lights/reservoir.wgsl
 // import: paths/gather_point.wgsl
 // import: paths/paths.wgsl
@@ -22,44 +24,12 @@
 @group(1) @binding(2) var<storage, read_write> film_direct: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> status: array<atomic<u32>>;
 
-struct LightSample {
-    // Unit, toward the light.
-    wi: vec3<f32>,
-    distance: f32,
-    // Where a shadow ray ends: lifted off the light, so that it does not shade itself.
-    end: vec3<f32>,
-    // Irradiance across the beam over the probability of this sample.
-    weight: Bands,
-    // pdf_solid_angle with the pick; 0 where no BSDF sample can find the emitter.
-    pdf: f32,
-}
-
 fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let pick = pick_emitter(u.x, pass_info.emitters);
-    let e = emitter_at(pick.emitter);
-    if is_triangle(e.kind) {
-        let b = sample_triangle(vec2(pick.rest, u.y));
-        let normal = normalize(cross(e.e1, e.e2));
-        let lift = lift_of(normal, abs(e.origin) + abs(e.e1) + abs(e.e2));
-        let end = e.origin + b.x * e.e1 + b.y * e.e2 + normal * lift;
-        let d = end - p;
-        let distance2 = dot(d, d);
-        let wi = d * inverseSqrt(max(distance2, 1e-30));
-        let cos_light = max(0.0, -dot(wi, normal));
-        let inverse_pdf = cos_light * e.area / (max(distance2, 1e-30) * e.pick);
-        return LightSample(wi, sqrt(distance2), end, e.strength * inverse_pdf, 1.0 / max(inverse_pdf, 1e-30));
-    }
-    if e.kind == EMITTER_SUN {
-        return LightSample(-e.e1, 1e30, vec3(0.0), e.strength / e.pick, 0.0);
-    }
-    let d = from_light(e, p);
-    let distance2 = max(dot(d, d), 1e-30);
-    let fall = select(1.0, spot_falloff(one_minus_cos(d, e.e1), e.e2.x, e.e2.y), e.kind == EMITTER_SPOT);
-    let wi = -d * inverseSqrt(distance2);
-    return LightSample(wi, sqrt(distance2), p - d, e.strength * (fall / (distance2 * e.pick)), 0.0);
+    return sample_li(emitter_at(pick.emitter), p, vec2(pick.rest, u.y));
 }
 
-// True where p may lie so near to an emissive triangle that shadow rays alone have fireflies. It depends on the place
+// True where p may lie so near to a light that shadow rays alone have fireflies. It depends on the place
 // only, so the choice of estimator costs no bias.
 fn near_emitter(p: vec3<f32>) -> bool {
     let count = own(pass_info.emitters);
@@ -68,11 +38,7 @@ fn near_emitter(p: vec3<f32>) -> bool {
     }
     var near = false;
     for (var i = 0u; i < count; i += 1u) {
-        let e = emitter_at(i);
-        let center = (e.e1 + e.e2) / 3.0;
-        let d = e.origin + center - p;
-        let largest = max(length(center), length(e.e1 - center)) + NEAR_WIDTH * sqrt(e.area / e.pick);
-        near = near || (is_triangle(e.kind) && dot(d, d) < largest * largest);
+        near = near || is_near(emitter_at(i), p);
     }
     return near;
 }
@@ -85,8 +51,9 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
         return Bands(0.0);
     }
     let hit = traverse(origin, wi, 1e30, false);
+    let scattered = eval_scatter(m, n, wi, wo) * cos_receiver;
     if hit.triangle == MISS {
-        return Bands(0.0);
+        return scattered * on_miss(wi) / max(pdf_scatter(m, n, wi, wo), 1e-30);
     }
     let t = triangle_at(hit.triangle);
     let front = normalize(cross(t.e1, t.e2));
@@ -94,9 +61,9 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
         return Bands(0.0);
     }
     let e = emitter_at(t.emitter);
-    let pdf_light = f32(pass_info.light_candidates) * e.pick * hit.t * hit.t / (e.area * -dot(wi, front));
+    let pdf_light = f32(pass_info.light_candidates) * pdf_li(e, hit.t, -dot(wi, front));
     // f Le cos / pdf · pdf / (pdf + pdf_light)
-    return eval_scatter(m, n, wi, wo) * e.strength * (cos_receiver / (pdf_scatter(m, n, wi, wo) + pdf_light));
+    return scattered * e.strength / (pdf_scatter(m, n, wi, wo) + pdf_light);
 }
 
 @compute @workgroup_size(64)

@@ -9,6 +9,7 @@
 // import: scene/scene.wgsl
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
+// import: lights/le.wgsl
 // import: camera/camera.wgsl
 // import: paths/gather_point.wgsl
 // import: paths/survival.wgsl
@@ -47,14 +48,16 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     loop {
         rays += 1u;
         let hit = nearest_hit(start.origin, direction, start.t_back);
+        let is_wanted = !HAS_PATH_FILTER || path_wanted(PATH_START, events);
         if hit.triangle == MISS {
+            emission += select(Bands(0.0), throughput * on_miss(direction) * weight_of_eye(splits, trees), is_wanted);
             break;
         }
         path_length += hit.t;
         let s = surface_at(hit);
         let b = bsdf_at(s, direction);
-        if !HAS_PATH_FILTER || path_wanted(PATH_START, events) {
-            emission += throughput * emission_at(b) * weight_of_eye(splits, trees);
+        if is_wanted {
+            emission += throughput * le_at(b) * weight_of_eye(splits, trees);
         }
         let weights = weights_at(b, throughput);
         let followed = delta_weight(weights);

@@ -10,6 +10,7 @@
 // import: scene/scene.wgsl
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
+// import: lights/le.wgsl
 // import: camera/camera.wgsl
 // import: paths/survival.wgsl
 // import: paths/paths.wgsl
@@ -85,14 +86,17 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
         alive = false;
         found.rays += 1u;
         let hit = nearest_hit(way.origin, way.direction, way.t_back);
+        let is_wanted = pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events);
+        let weight = select(weight_of_tree(way.splits, trees), 1.0, pilot);
         if hit.triangle == MISS {
+            found.emission += select(Bands(0.0), way.throughput * on_miss(way.direction) * weight, is_wanted);
             continue;
         }
         let s = surface_at(hit);
         let b = bsdf_at(s, way.direction);
-        let light = emission_at(b);
-        if max_band(light) > 0.0 && (pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events)) {
-            found.emission += way.throughput * light * select(weight_of_tree(way.splits, trees), 1.0, pilot);
+        let light = le_at(b);
+        if max_band(light) > 0.0 && is_wanted {
+            found.emission += way.throughput * light * weight;
             found.direct = way.events == 0u;
         }
         let weights = weights_at(b, way.throughput);

@@ -9,7 +9,6 @@
 // import: scene/scene.wgsl
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
-// import: lights/emitter.wgsl
 // import: lights/emit.wgsl
 // import: paths/path_state.wgsl
 // import: paths/paths.wgsl

@@ -54,8 +54,3 @@ fn sample_at(b: Bsdf, lobe: u32, u: vec2<f32>) -> LobeSample {
 fn sample_delta_at(b: Bsdf, lobe: u32, u: vec2<f32>) -> LobeSample {
     return sample_delta(b.material, lobe, b.direction, b.geometric, b.shading, b.from_front, u);
 }
-
-// Radiance that the surface sends back along the ray by itself.
-fn emission_at(b: Bsdf) -> Bands {
-    return select(Bands(0.0), b.material.emission, b.from_front && (b.material.flag_bits & EMISSIVE) != 0u);
-}

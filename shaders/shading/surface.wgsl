@@ -1,5 +1,6 @@
 // The surface at a hit: position, normals, side.
 // import: accel/intersect.wgsl
+// import: accel/lift.wgsl
 // reads  scene
 
 struct Surface {
@@ -29,11 +30,6 @@ fn surface_at(hit: Hit) -> Surface {
         s.shading = select(front, n * inverseSqrt(max(length2, 1e-20)), length2 > 1e-12);
     }
     return s;
-}
-
-// How far off a plane f32 may put a point that lies in it, by the extent along each axis of what spans the plane.
-fn lift_of(normal: vec3<f32>, extent: vec3<f32>) -> f32 {
-    return max(LIFT * dot(abs(normal), extent), LIFT_LEAST);
 }
 
 // Where a ray starts, and below which distance back faces are not met [E27].

@@ -65,6 +65,30 @@ gpu_struct! {
 }
 
 impl PackedEmitter {
+    /// What it is.
+    pub fn kind(&self) -> EmitterKind {
+        match self.kind {
+            0 => EmitterKind::Triangle,
+            1 => EmitterKind::Point,
+            2 => EmitterKind::Spot,
+            _ => EmitterKind::Sun,
+        }
+    }
+
+    /// True where rays can meet it.
+    pub fn has_area(&self) -> bool {
+        self.kind() == EmitterKind::Triangle
+    }
+
+    /// A place in the middle of where its jotons start.
+    pub fn middle(&self) -> Vec3 {
+        match self.kind() {
+            EmitterKind::Triangle => self.circle().0,
+            EmitterKind::Point | EmitterKind::Spot => self.position(),
+            EmitterKind::Sun => self.origin,
+        }
+    }
+
     /// Where a point or a spot is.
     pub fn position(&self) -> Vec3 {
         self.origin - self.e1 * self.e2.z

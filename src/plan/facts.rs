@@ -1,8 +1,7 @@
 //! Facts of a scene that a plan is made from: what is there, and what light can never do.
 
-use crate::optics::lights::cone::between;
-use crate::optics::lights::emit::{from_light, kind};
-use crate::packed::{EmitterKind, MaterialFlags, PackedEmitter, PackedScene, Target};
+use crate::optics::lights::light::shines_on;
+use crate::packed::{MaterialFlags, PackedScene};
 use glam::Vec3;
 
 /// True where the material of some triangle is so.
@@ -12,7 +11,7 @@ pub(super) fn has(scene: &PackedScene, is: impl Fn(MaterialFlags) -> bool) -> bo
 
 /// True where some surface emits.
 pub(super) fn has_emissive_surface(scene: &PackedScene) -> bool {
-    scene.emitters.iter().any(|e| kind(e) == EmitterKind::Triangle)
+    scene.emitters.iter().any(|e| e.has_area())
 }
 
 /// True where some surface can be a gather point.
@@ -22,7 +21,7 @@ pub(super) fn has_diffuse_surface(scene: &PackedScene) -> bool {
 
 /// True where a light without area can be seen in a lobe that is followed.
 pub(super) fn shows_delta_lights(scene: &PackedScene) -> bool {
-    scene.emitters.iter().any(|e| kind(e) != EmitterKind::Triangle)
+    scene.emitters.iter().any(|e| !e.has_area())
         && scene.triangles.iter().any(|t| scene.materials[t.material as usize].has_narrow_lobe())
 }
 
@@ -30,31 +29,6 @@ pub(super) fn shows_delta_lights(scene: &PackedScene) -> bool {
 /// all bounding spheres.
 pub(super) fn lights_reach_targets(scene: &PackedScene) -> bool {
     scene.emitters.iter().any(|e| scene.targets.iter().any(|t| shines_on(e, t)))
-}
-
-/// Directions are rounded to f32: angles are not known better, rad.
-const ANGLE_SLACK: f32 = 1e-6;
-
-/// Angle whose 1 − cosine this is, rad.
-fn angle(one_minus_cos: f32) -> f32 {
-    2.0 * (0.5 * one_minus_cos).sqrt().min(1.0).asin()
-}
-
-fn shines_on(e: &PackedEmitter, target: &Target) -> bool {
-    let to_center = from_light(e, target.center);
-    match kind(e) {
-        EmitterKind::Triangle => {
-            (target.center - e.origin).dot(e.e1.cross(e.e2).normalize_or_zero()) > -target.radius
-        }
-        EmitterKind::Spot => {
-            let distance = to_center.length();
-            // half angles of the cone and of the sphere, and the angle between them
-            distance <= target.radius
-                || angle(between(to_center, e.e1))
-                    < angle(e.e2.y) + (target.radius / distance).asin() + ANGLE_SLACK
-        }
-        EmitterKind::Point | EmitterKind::Sun => true,
-    }
 }
 
 /// Surfaces nearer to a plane than this, in internal units, lie in it: 32 units in the last place of the largest coordinates.

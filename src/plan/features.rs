@@ -3,7 +3,7 @@
 use super::Settings;
 use super::facts;
 use super::skip::{Part, Reason, Skips};
-use crate::packed::{EmitterKind, PackedScene};
+use crate::packed::PackedScene;
 
 /// What the kernels must be able to do for this scene; the rest is compiled out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl Features {
             glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
             smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
             delta_lights: needs(
-                scene.emitters.iter().any(|e| e.kind != EmitterKind::Triangle as u32),
+                scene.emitters.iter().any(|e| !e.has_area()),
                 Part::DeltaLights,
                 Reason::AllLightsAreSurfaces,
             ),

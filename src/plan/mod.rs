@@ -22,7 +22,7 @@ use crate::estimators::maps::MapKind;
 use crate::estimators::radii::{Schedule, shrink};
 use crate::film::paths::LightPaths;
 use crate::film::{LAYERS, Layer};
-use crate::packed::{EmitterKind, Guide, PackedScene, VisibleCells};
+use crate::packed::{Guide, PackedScene, VisibleCells};
 use guiding::visible_points::VisiblePoints;
 use std::sync::Arc;
 
@@ -143,7 +143,7 @@ impl Plan {
         let layers = layers(scene, &settings, &mut skips);
         let features = Features::of(scene, &settings, &mut skips);
         if let [light] = &scene.emitters[..]
-            && light.kind != EmitterKind::Triangle as u32
+            && !light.has_area()
             && settings.shadow_rays > 1
             && skips.skip(Part::FurtherShadowRays, Reason::OneDirection)
         {

@@ -1,7 +1,6 @@
 //! Pilot: a few thousand camera rays, traced on the host, that tell how large things are in the image.
 
-use crate::optics::lights::emit::kind;
-use crate::packed::{CameraRay, EmitterKind, Guide, PackedEmitter, PackedScene, SMOOTH};
+use crate::packed::{CameraRay, Guide, PackedScene, SMOOTH};
 use glam::Vec3;
 
 /// What the camera sees, in internal units.
@@ -76,13 +75,8 @@ fn path_length(scene: &PackedScene, ray: CameraRay) -> Option<f32> {
 /// True where more than half of the caustic jotons start outside every target: they are aimed.
 pub(super) fn aimed(scene: &PackedScene, guide: &Guide) -> bool {
     let outside = |p: Vec3| scene.targets.iter().all(|t| (p - t.center).length() > t.radius);
-    let middle = |e: &PackedEmitter| match kind(e) {
-        EmitterKind::Triangle => e.circle().0,
-        EmitterKind::Point | EmitterKind::Spot => e.position(),
-        EmitterKind::Sun => e.origin,
-    };
     let emitters = guide.emitters(&scene.emitters).iter();
-    emitters.filter(|e| outside(middle(e))).map(|e| e.pick).sum::<f32>() > 0.5
+    emitters.filter(|e| outside(e.middle())).map(|e| e.pick).sum::<f32>() > 0.5
 }
 
 impl PackedScene {

@@ -5,8 +5,9 @@ use super::Plan;
 use super::discs::{Place, is_cut};
 use crate::estimators::maps::MapKind;
 use crate::film::Layer;
-use crate::optics::lights::emit::{Start, aimed, by_law};
-use crate::optics::lights::sample::sample_light;
+use crate::optics::lights::light::le;
+use crate::optics::lights::pick::{aimed, by_law, sample_light};
+use crate::optics::lights::samples::Start;
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
@@ -165,7 +166,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         found.mean.steps += steps(scene, &ray, f32::INFINITY, false);
         let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };
         length += s.distance;
-        if path == Path::Camera && met_specular && s.flags().is_emissive() && s.front {
+        if path == Path::Camera && met_specular && le(&s).is_some() {
             found.mean.glints = 1.0;
         }
         let is_met = match path {

@@ -1,4 +1,4 @@
-//! lights/emitter.wgsl: picking over the edges of the table, and the spot's falloff.
+//! lights/pick.wgsl and lights/spot.wgsl: picking over the edges of the table, and the spot's falloff.
 
 use crate::common::{Row, Snippet, floats, random, row};
 use crate::device_or_return;
@@ -42,8 +42,12 @@ fn check(weights: &[f64]) {
         "let p = pick_emitter(in_f(0u).x, {}u); out_u(0u, vec4(p.emitter, bitcast<u32>(p.rest), 0u, 0u));",
         emitters.len()
     );
-    let snippet =
-        Snippet { imports: &["lights/emitter.wgsl"], declarations: "", code: &code, overrides: &[] };
+    let snippet = Snippet {
+        imports: &["lights/pick.wgsl", "lights/spot.wgsl"],
+        declarations: "",
+        code: &code,
+        overrides: &[],
+    };
     let mut harness = Harness::new(context);
     harness.scene("emitters", &emitters);
     let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
@@ -99,7 +103,12 @@ fn spots_fall_off_as_a_smoothstep() {
         inputs.extend(all.map(|at| [row([at, inner, outer, 0.0])]));
     }
     let code = "let i = in_f(0u); out_f(0u, vec4(spot_falloff(i.x, i.y, i.z), 0.0, 0.0, 0.0));";
-    let snippet = Snippet { imports: &["lights/emitter.wgsl"], declarations: "", code, overrides: &[] };
+    let snippet = Snippet {
+        imports: &["lights/pick.wgsl", "lights/spot.wgsl"],
+        declarations: "",
+        code,
+        overrides: &[],
+    };
     let mut harness = Harness::new(context);
     harness.scene("emitters", &table(&[1.0]));
     let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);

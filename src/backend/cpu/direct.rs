@@ -7,12 +7,13 @@
 use super::eye::GatherPoint;
 use super::streams::{DIMENSION_BSDF, STREAM_LIGHT};
 use crate::backend::Tally;
-use crate::optics::lights::emit::kind;
+use crate::optics::lights::light::{is_near, le, on_miss};
+use crate::optics::lights::pick::{pdf_light, sample_light};
 use crate::optics::lights::reservoir::Reservoir;
-use crate::optics::lights::sample::{LightSample, pdf_light, sample_light};
+use crate::optics::lights::samples::LightSample;
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
-use crate::packed::constants::{NEAR_EMITTERS_MAX, NEAR_WIDTH};
-use crate::packed::{EmitterKind, PackedEmitter, PackedScene};
+use crate::packed::constants::NEAR_EMITTERS_MAX;
+use crate::packed::{PackedEmitter, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence2};
 use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
@@ -47,15 +48,10 @@ pub(super) fn light(
     scale(&mul(&sum, &g.throughput), 1.0 / count as f32)
 }
 
-/// True where `position` may lie so near to an emissive triangle that shadow rays alone have fireflies. Depends on no
+/// True where `position` may lie so near to a light that shadow rays alone have fireflies. Depends on no
 /// random number but the place, so the choice of estimator costs no bias.
 fn near_emitter(lights: &[PackedEmitter], position: Vec3) -> bool {
-    lights.len() > NEAR_EMITTERS_MAX as usize
-        || lights.iter().filter(|e| kind(e) == EmitterKind::Triangle).any(|e| {
-            let (middle, reach) = e.circle();
-            let near = reach + NEAR_WIDTH * (e.area / e.pick).sqrt();
-            (middle - position).length_squared() < near * near
-        })
+    lights.len() > NEAR_EMITTERS_MAX as usize || lights.iter().any(|e| is_near(e, position))
 }
 
 /// The light of one of some candidates, picked by what each would give if nothing shaded it, for all of them [E24].
@@ -123,11 +119,12 @@ fn by_bsdf(
     }
     tally.rays += 1;
     let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
-    let Some(s) = SurfaceInteraction::hit(scene, &ray) else { return BLACK };
-    if !s.front || !s.flags().is_emissive() {
-        return BLACK;
-    }
+    let scattered = scale(&g.bsdf.eval_scatter(wi), wi.dot(g.ns));
+    let pdf = g.bsdf.pdf_scatter(wi);
+    let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
+        return scale(&mul(&scattered, &on_miss(wi)), 1.0 / pdf);
+    };
+    let Some(le) = le(&s) else { return BLACK };
     // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)
-    let weight = wi.dot(g.ns) / (g.bsdf.pdf_scatter(wi) + number * pdf_light(lights, &s));
-    scale(&mul(&g.bsdf.eval_scatter(wi), &s.material.emission), weight)
+    scale(&mul(&scattered, le), 1.0 / (pdf + number * pdf_light(lights, &s)))
 }

@@ -4,6 +4,7 @@ use super::splits::Splits;
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
+use crate::optics::lights::light::{le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};
@@ -81,11 +82,17 @@ pub(super) fn follow<'a>(
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;
-        let Some(s) = SurfaceInteraction::hit(scene, &ray) else { return path };
+        let sees = |le: &Bands| scale(&mul(&throughput, le), splits.weight_of_eye(trees));
+        let is_wanted = wants_emission(plan, chain);
+        let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
+            if is_wanted {
+                path.emission = add(&path.emission, &sees(&on_miss(ray.direction)));
+            }
+            return path;
+        };
         length += s.distance;
-        if s.front && s.flags().is_emissive() && wants_emission(plan, chain) {
-            let emission = mul(&throughput, &s.material.emission);
-            path.emission = add(&path.emission, &scale(&emission, splits.weight_of_eye(trees)));
+        if let Some(le) = le(&s).filter(|_| is_wanted) {
+            path.emission = add(&path.emission, &sees(le));
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);

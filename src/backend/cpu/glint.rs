@@ -8,6 +8,7 @@ use super::splits::Splits;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
 use crate::estimators::split_paths::{Light, Look, SplitPaths, is_mixed};
+use crate::optics::lights::light::{le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{PILOT_TREES, WAITING_MAX};
@@ -63,10 +64,13 @@ fn tree(
         let Way { mut ray, mut throughput, mut splits, mut events } = waiting[count];
         loop {
             tally.rays += 1;
-            let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };
-            if s.front && s.flags().is_emissive() {
-                let emission = mul(&throughput, &s.material.emission);
-                seen.emission = add(&seen.emission, &scale(&emission, weight(events, &splits)));
+            let sees = |le: &Bands| scale(&mul(&throughput, le), weight(events, &splits));
+            let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
+                seen.emission = add(&seen.emission, &sees(&on_miss(ray.direction)));
+                break;
+            };
+            if let Some(le) = le(&s) {
+                seen.emission = add(&seen.emission, &sees(le));
                 seen.direct = events == 0;
             }
             let bsdf = Bsdf::at(&s);

@@ -5,7 +5,8 @@ use super::streams::*;
 use super::trace::jotons;
 use crate::backend::Tally;
 use crate::optics::lights::cone::{Beam, into_targets};
-use crate::optics::lights::emit::{self, Start};
+use crate::optics::lights::pick;
+use crate::optics::lights::samples::Start;
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::frame::Frame;
 use crate::packed::{Guide, PackedEmitter, PackedMaterial, PackedScene, Target};
@@ -57,9 +58,9 @@ pub fn emit(
     let draw = |stream| sequence2(index, seed, 0, stream);
     let count = count as f32;
     let start = if caustic {
-        emit::aimed(scene, guide, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)
+        pick::aimed(scene, guide, draw(STREAM_CAUSTIC_PLACE), draw(STREAM_CAUSTIC_DIRECTION), count)
     } else {
-        Some(emit::by_law(scene, guide, draw(STREAM_DIFFUSE_PLACE), draw(STREAM_DIFFUSE_DIRECTION), count))
+        Some(pick::by_law(scene, guide, draw(STREAM_DIFFUSE_PLACE), draw(STREAM_DIFFUSE_DIRECTION), count))
     };
     start.map(|Start { origin, direction, flux }| (origin, direction, flux))
 }
@@ -72,7 +73,7 @@ pub fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3
 
 /// Number of the emitter that `u` picks, and what is left of `u`.
 pub fn pick(emitters: &[PackedEmitter], u: f32) -> (usize, f32) {
-    let (picked, rest) = emit::pick(emitters, u);
+    let (picked, rest) = pick::pick(emitters, u);
     let number = emitters.iter().position(|e| std::ptr::eq(e, picked));
     (number.unwrap_or(emitters.len()), rest)
 }

@@ -9,7 +9,8 @@ use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::error::Result;
 use crate::film::paths::{Event, LightPaths};
 use crate::film::{LAYERS, Layer};
-use crate::optics::lights::sample::{pdf_light, sample_light};
+use crate::optics::lights::light::{le, on_miss};
+use crate::optics::lights::pick::{pdf_light, sample_light};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::SURVIVAL_MAX;
@@ -159,10 +160,13 @@ impl<'a> Path<'a> {
         let mut pdf_last: Option<f32> = None;
         loop {
             self.rays += 1;
-            let Some(s) = SurfaceInteraction::hit(scene, &ray) else { return };
-            if s.front && s.flags().is_emissive() {
+            let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
+                self.found(&mul(&throughput, &on_miss(ray.direction)));
+                return;
+            };
+            if let Some(le) = le(&s) {
                 let weight = pdf_last.map_or(1.0, |pdf| pdf / (pdf + pdf_light(&scene.emitters, &s)));
-                self.found(&scale(&mul(&throughput, &s.material.emission), weight));
+                self.found(&scale(&mul(&throughput, le), weight));
             }
             let [u_way, u0, u1, u_lobe] = self.random(0);
             let bsdf = Bsdf::at(&s);

@@ -2,8 +2,8 @@
 //! angles by their sines, since cosines of small ones have none. Sizes of cones are 1 − cos of the half angle.
 //! Twin: shaders/lights/cone.wgsl.
 
+use crate::packed::Target;
 use crate::packed::constants::SCENE_RADIUS;
-use crate::packed::{FAR, PackedEmitter, Target};
 use crate::sampling::distributions::{basis, cone};
 use glam::Vec3;
 use std::f32::consts::TAU;
@@ -29,16 +29,6 @@ pub(crate) struct ConeRay {
 }
 
 impl Beam {
-    /// Of a point or a spot.
-    pub(crate) fn of(e: &PackedEmitter) -> Self {
-        let distance = e.origin.length();
-        if e.e2.z == 0.0 && distance > FAR {
-            // a spot that is far away and wide: the cone that holds the scene has an axis of its own
-            return Self { through: Vec3::ZERO, axis: -e.origin / distance, distance };
-        }
-        Self { through: e.origin, axis: e.e1, distance: e.e2.z }
-    }
-
     /// A ray in the light's own cone.
     pub(crate) fn own(&self, size: f32, u: [f32; 2]) -> ConeRay {
         into_cone(self.through, self.axis, self.distance, size, u)

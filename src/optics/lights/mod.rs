@@ -1,6 +1,12 @@
-//! Lights: how jotons leave them, and how shadow rays find them.
+//! Lights: how jotons leave them, how shadow rays find them, and what rays that meet them see. Each kind is a file; `light.rs` is the
+//! table.
 
 pub(crate) mod cone;
-pub(crate) mod emit;
+pub(crate) mod light;
+pub(crate) mod pick;
+mod point;
 pub mod reservoir;
-pub(crate) mod sample;
+pub(crate) mod samples;
+mod spot;
+mod sun;
+mod triangle;

@@ -2,7 +2,7 @@
 
 use super::BY_FLUX;
 use super::lamp::{Lamp, lamps};
-use crate::optics::lights::sample::sample_emitter;
+use crate::optics::lights::light::sample_li;
 use crate::optics::ray::visible;
 use crate::packed::{Guide, PackedScene};
 use crate::plan::guiding::visible_points::{VisiblePoint, VisiblePoints};
@@ -100,7 +100,7 @@ fn given(
             let lamp = (((k as f64 + shift) * stands_for) as usize).min(lamps.len() - 1);
             let [u, v, ..] = random(k as u32);
             let (emitter, rest, pick) = lamps[lamp].pick(u);
-            let l = sample_emitter(&scene.emitters[emitter], p.origin, [rest, v])?;
+            let l = sample_li(&scene.emitters[emitter], p.origin, [rest, v])?;
             let cosine = l.wi.dot(p.normal);
             let unshadowed = sum(&l.irradiance) * f64::from(cosine / pick);
             if cosine <= 0.0 || !unshadowed.is_finite() {

@@ -5,9 +5,10 @@
 //! changes of the direction in which such a joton sets out, each of which is kept where the joton then passes nearer.
 
 use super::lamp::{Lamp, lamps};
-use crate::optics::lights::emit::{Start, aimed_of, kind};
+use crate::optics::lights::light::sample_le_aimed;
+use crate::optics::lights::samples::Start;
 use crate::optics::ray::{Ray, SurfaceInteraction};
-use crate::packed::{EmitterKind, PackedScene};
+use crate::packed::PackedScene;
 use crate::plan::guiding::visible_points::{CHAIN, step};
 use crate::sampling::rng::purpose::{
     DIMENSION_LAMP_CHANGES, DIMENSION_LAMP_IMAGES, STREAM_LAMP_IMAGES_DIRECTION, STREAM_LAMP_IMAGES_PLACE,
@@ -49,7 +50,7 @@ struct Pass {
 /// Pixels that show such images, in ascending order, as far as they are found.
 pub(in crate::plan) fn lamp_images(scene: &PackedScene, seed: u32) -> Vec<u32> {
     // camera rays never meet a light without area
-    let has_area = |lamp: &Lamp| kind(&lamp.emitters(scene)[0]) == EmitterKind::Triangle;
+    let has_area = |lamp: &Lamp| lamp.emitters(scene)[0].has_area();
     let lamps: Vec<Lamp> = lamps(&scene.emitters).into_iter().filter(has_area).collect();
     let total: f64 = lamps.iter().map(Lamp::flux).sum();
     if scene.targets.is_empty() || total <= 0.0 {
@@ -122,7 +123,7 @@ impl Search<'_> {
         let (emitter, rest, pick) = self.lamps[pass.lamp as usize].pick(pass.place[0]);
         let emitter = &scene.emitters[emitter];
         let Start { origin, direction, mut flux } =
-            aimed_of(scene, emitter, [rest, pass.place[1]], pass.towards, 1.0 / pick)?;
+            sample_le_aimed(scene, emitter, [rest, pass.place[1]], pass.towards, 1.0 / pick)?;
         let mut ray = Ray::new(origin, direction);
         let mut is_near = false;
         for event in 0..CHAIN {

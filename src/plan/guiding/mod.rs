@@ -14,7 +14,8 @@ pub(super) use direct::direct;
 pub(super) use lamp_images::lamp_images;
 
 use crate::estimators::maps::MapKind;
-use crate::optics::lights::emit::{Start, aimed_of, law_of};
+use crate::optics::lights::light::{sample_le, sample_le_aimed};
+use crate::optics::lights::samples::Start;
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::{Guide, MAX_WARPS, PackedScene, Warp};
 use crate::plan::guiding::visible_points::{CHAIN, VisiblePoints, step};
@@ -143,9 +144,9 @@ fn hits(
     let e = &scene.emitters[emitter];
     let is_caustic = kind == MapKind::Caustic as u32;
     let start = if is_caustic {
-        aimed_of(scene, e, [rest, place[1]], towards, 1.0 / pick)
+        sample_le_aimed(scene, e, [rest, place[1]], towards, 1.0 / pick)
     } else {
-        Some(law_of(e, [rest, place[1]], towards, 1.0 / pick))
+        Some(sample_le(e, [rest, place[1]], towards, 1.0 / pick))
     };
     let Some(Start { origin, direction, mut flux }) = start else { return (0, Vec::new()) };
     let mut ray = Ray::new(origin, direction);
