@@ -147,8 +147,7 @@ impl<'a> Look<'a> {
 
     fn lights_inside(&self) -> Option<String> {
         let eye = self.packed.camera.eye;
-        let is_place =
-            |e: &&PackedEmitter| e.kind == EmitterKind::Point as u32 || e.kind == EmitterKind::Spot as u32;
+        let is_place = |e: &&PackedEmitter| matches!(e.kind(), EmitterKind::Point | EmitterKind::Spot);
         let places: Vec<Vec3> = self.packed.emitters.iter().filter(is_place).map(|e| e.origin).collect();
         let bodies: Vec<&str> = some(&places, LAMPS)
             .filter(|&&place| !self.sees(eye, place))

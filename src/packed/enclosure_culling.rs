@@ -6,7 +6,7 @@
 //! other. A point that it winds about at all is cut off by it from everything outside its bounds, however its triangles lie.
 
 use super::PackedScene;
-use crate::scene::{Light, Mesh, Scene, Triangle};
+use crate::scene::{Light, LightPlace, Mesh, Scene, Triangle};
 use glam::{DVec3, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::PI;
@@ -54,9 +54,9 @@ pub(super) fn within_reach(scene: &Scene, packed: &PackedScene, order: &[u32]) -
     let [lo, hi] = rooms.reduce(|[lo, hi], [a, b]| [lo.max(a), hi.min(b)])?;
     let near = NEAR * packed.world_scale;
     let is_outside = |a: DVec3, b: DVec3| a.cmpgt(hi + near).any() || b.cmplt(lo - near).any();
-    let is_lost = |light: &Light| match *light {
-        Light::Point { position, .. } | Light::Spot { position, .. } => is_outside(position, position),
-        Light::Sun { .. } => true,
+    let is_lost = |light: &Light| match light.place() {
+        LightPlace::At(position) => is_outside(position, position),
+        LightPlace::Infinity(_) => true,
     };
     // most rooms are the whole scene
     let [a, b] = packed.bounds.map(|p| packed.world_center + p.as_dvec3() * packed.world_scale);

@@ -8,7 +8,7 @@
 
 use super::obj::geometric_normal;
 use super::scene_file::DEFAULT_FOV_X;
-use super::{Camera, Light, Material, Mesh};
+use super::{Camera, Light, LightPlace, Material, Mesh};
 use crate::spectrum;
 use glam::DVec3;
 
@@ -158,9 +158,9 @@ impl Probe {
         let far = mesh.positions.iter().map(|p| p.length()).fold(1.0, f64::max);
         // evenly spread in the list where there are too many
         for light in lights.iter().step_by(lights.len().div_ceil(MOST_LIGHTS_BESIDE).max(1)) {
-            let position = match *light {
-                Light::Point { position, .. } | Light::Spot { position, .. } => position,
-                Light::Sun { direction, .. } => -direction * far * 1e3,
+            let position = match light.place() {
+                LightPlace::At(position) => position,
+                LightPlace::Infinity(direction) => -direction * far * 1e3,
             };
             sources.push(Source { position, normal: None });
         }

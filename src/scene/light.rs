@@ -1,5 +1,8 @@
 //! Lights beside emissive triangles: those that a surface cannot stand for.
 
+use crate::error::Result;
+use crate::scene::mtl::At;
+use crate::scene::table::Table;
 use crate::spectrum::Bands;
 use glam::DVec3;
 
@@ -33,4 +36,110 @@ pub enum Light {
         /// Irradiance on a surface that faces the sun, W/m² per band.
         irradiance: Bands,
     },
+}
+
+/// Where a light is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LightPlace {
+    /// World position.
+    At(DVec3),
+    /// Infinitely far; unit direction in which the light travels.
+    Infinity(DVec3),
+}
+
+impl Light {
+    /// Where it is.
+    pub fn place(&self) -> LightPlace {
+        match *self {
+            Self::Point { position, .. } | Self::Spot { position, .. } => LightPlace::At(position),
+            Self::Sun { direction, .. } => LightPlace::Infinity(direction),
+        }
+    }
+}
+
+/// Half angles of a spot where the file gives none, degrees.
+const DEFAULT_SPOT: [f64; 2] = [20.0, 30.0];
+
+/// A light of a scene file.
+///
+/// # Errors
+/// Line and remedy where the table says something else.
+pub(super) fn read(table: Table) -> Result<Light> {
+    let kind = table.string("kind")?;
+    match kind.value.as_str() {
+        "point" => {
+            table.allow(&["kind", "position", "intensity"])?;
+            Ok(Light::Point {
+                position: table.vector("position")?.value,
+                intensity: power(&table, "intensity")?,
+            })
+        }
+        "spot" => spot(table),
+        "sun" => {
+            table.allow(&["kind", "direction", "irradiance"])?;
+            Ok(Light::Sun { direction: direction(&table)?, irradiance: power(&table, "irradiance")? })
+        }
+        other => Err(table.unknown(kind.line, "kind of light", other, &["point", "spot", "sun"])),
+    }
+}
+
+fn spot(table: Table) -> Result<Light> {
+    table.allow(&["kind", "position", "direction", "target", "intensity", "angle_inner", "angle_outer"])?;
+    let position = table.vector("position")?.value;
+    let direction = match table.optional_vector("target")? {
+        Some(_) if table.optional_vector("direction")?.is_some() => {
+            return Err(table.fault(table.line(), "both direction and target", "give one of them"));
+        }
+        Some(target) => (target - position).try_normalize().ok_or_else(|| {
+            table.fault(table.line(), "spot whose target is its position", "move one of them")
+        })?,
+        None => direction(&table)?,
+    };
+    let mut angles = DEFAULT_SPOT;
+    let inner = table.number("angle_inner")?;
+    let outer = table.number("angle_outer")?;
+    if let Some(outer) = outer {
+        // A lone outer angle keeps the proportion of the defaults.
+        angles = [outer.value * DEFAULT_SPOT[0] / DEFAULT_SPOT[1], outer.value];
+    }
+    if let Some(inner) = inner {
+        angles[0] = inner.value;
+        if outer.is_none() {
+            angles[1] = angles[1].max(inner.value);
+        }
+    }
+    let line = outer.or(inner).map_or(table.line(), |a| a.line);
+    if !(angles[0] >= 0.0 && angles[1] > 0.0 && angles[0] <= angles[1] && angles[1] <= 180.0) {
+        let what = format!("spot with half angles {} and {} degrees", angles[0], angles[1]);
+        return Err(table.fault(line, &what, "give 0 <= angle_inner <= angle_outer <= 180"));
+    }
+    Ok(Light::Spot {
+        position,
+        direction,
+        intensity: power(&table, "intensity")?,
+        angle_inner: angles[0].to_radians(),
+        angle_outer: angles[1].to_radians(),
+    })
+}
+
+fn direction(table: &Table) -> Result<DVec3> {
+    let direction = table.vector("direction")?;
+    direction.value.try_normalize().ok_or_else(|| {
+        table.fault(direction.line, "direction without length", "give a vector that is not zero")
+    })
+}
+
+/// A quantity of light: required, and something in some band.
+fn power(table: &Table, key: &str) -> Result<Bands> {
+    let Some(At { value, line }) = table.bands(key)? else {
+        return Err(table.missing(key));
+    };
+    if crate::spectrum::is_black(&value) {
+        return Err(table.fault(
+            line,
+            &format!("light without {key}"),
+            "give a value above 0 or remove the light",
+        ));
+    }
+    Ok(value)
 }

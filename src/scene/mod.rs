@@ -20,7 +20,7 @@ mod warnings;
 mod weld;
 
 pub use camera::Camera;
-pub use light::Light;
+pub use light::{Light, LightPlace};
 pub use load::{check_format, load};
 pub use material::{Dielectric, Material};
 pub(crate) use warnings::quoted;

@@ -3,11 +3,10 @@
 //! reads   TOML text
 //! writes  a [`Description`]: typed, every key known, not yet looked up or put together
 
-use super::light::Light;
+use super::light::{self, Light};
 use super::mtl::{At, Kind, RawMaterial};
 use super::table::{Table, parse};
 use super::text::{self, Lines};
-use crate::spectrum::Bands;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -18,8 +17,6 @@ pub(crate) const DEFAULT_FOV_X: f64 = 40.0;
 pub(crate) const DEFAULT_SIZE: [u32; 2] = [512, 512];
 /// Largest image side, pixels: what a 2D texture may measure on most devices, and a typing error beyond.
 const MAX_SIDE: u32 = 16_384;
-/// Half angles of a spot where the file gives none, degrees.
-const DEFAULT_SPOT: [f64; 2] = [20.0, 30.0];
 
 /// What a scene file says.
 #[derive(Debug)]
@@ -74,7 +71,7 @@ pub(crate) fn read(path: &Path) -> Result<Description> {
     let camera = root.table("camera")?.map(camera).transpose()?;
     let size = root.table("film")?.map(film).transpose()?.unwrap_or(DEFAULT_SIZE);
     let meshes = root.tables("mesh")?.into_iter().map(|t| mesh(t, path)).collect::<Result<Vec<_>>>()?;
-    let lights = root.tables("light")?.into_iter().map(light).collect::<Result<Vec<_>>>()?;
+    let lights = root.tables("light")?.into_iter().map(light::read).collect::<Result<Vec<_>>>()?;
     let materials =
         root.tables("material")?.into_iter().map(|t| material(t, path)).collect::<Result<Vec<_>>>()?;
     if meshes.is_empty() {
@@ -133,86 +130,6 @@ fn mesh(table: Table, path: &Path) -> Result<MeshEntry> {
         scale: scale.value,
         translate: table.optional_vector("translate")?.unwrap_or(DVec3::ZERO),
     })
-}
-
-fn light(table: Table) -> Result<Light> {
-    let kind = table.string("kind")?;
-    match kind.value.as_str() {
-        "point" => {
-            table.allow(&["kind", "position", "intensity"])?;
-            Ok(Light::Point {
-                position: table.vector("position")?.value,
-                intensity: power(&table, "intensity")?,
-            })
-        }
-        "spot" => spot(table),
-        "sun" => {
-            table.allow(&["kind", "direction", "irradiance"])?;
-            Ok(Light::Sun { direction: direction(&table)?, irradiance: power(&table, "irradiance")? })
-        }
-        other => Err(table.unknown(kind.line, "kind of light", other, &["point", "spot", "sun"])),
-    }
-}
-
-fn spot(table: Table) -> Result<Light> {
-    table.allow(&["kind", "position", "direction", "target", "intensity", "angle_inner", "angle_outer"])?;
-    let position = table.vector("position")?.value;
-    let direction = match table.optional_vector("target")? {
-        Some(_) if table.optional_vector("direction")?.is_some() => {
-            return Err(table.fault(table.line(), "both direction and target", "give one of them"));
-        }
-        Some(target) => (target - position).try_normalize().ok_or_else(|| {
-            table.fault(table.line(), "spot whose target is its position", "move one of them")
-        })?,
-        None => direction(&table)?,
-    };
-    let mut angles = DEFAULT_SPOT;
-    let inner = table.number("angle_inner")?;
-    let outer = table.number("angle_outer")?;
-    if let Some(outer) = outer {
-        // A lone outer angle keeps the proportion of the defaults.
-        angles = [outer.value * DEFAULT_SPOT[0] / DEFAULT_SPOT[1], outer.value];
-    }
-    if let Some(inner) = inner {
-        angles[0] = inner.value;
-        if outer.is_none() {
-            angles[1] = angles[1].max(inner.value);
-        }
-    }
-    let line = outer.or(inner).map_or(table.line(), |a| a.line);
-    if !(angles[0] >= 0.0 && angles[1] > 0.0 && angles[0] <= angles[1] && angles[1] <= 180.0) {
-        let what = format!("spot with half angles {} and {} degrees", angles[0], angles[1]);
-        return Err(table.fault(line, &what, "give 0 <= angle_inner <= angle_outer <= 180"));
-    }
-    Ok(Light::Spot {
-        position,
-        direction,
-        intensity: power(&table, "intensity")?,
-        angle_inner: angles[0].to_radians(),
-        angle_outer: angles[1].to_radians(),
-    })
-}
-
-fn direction(table: &Table) -> Result<DVec3> {
-    let direction = table.vector("direction")?;
-    direction.value.try_normalize().ok_or_else(|| {
-        table.fault(direction.line, "direction without length", "give a vector that is not zero")
-    })
-}
-
-/// A quantity of light: required, and something in some band.
-fn power(table: &Table, key: &str) -> Result<Bands> {
-    let Some(At { value, line }) = table.bands(key)? else {
-        return Err(table.missing(key));
-    };
-    if crate::spectrum::is_black(&value) {
-        return Err(table.fault(
-            line,
-            &format!("light without {key}"),
-            "give a value above 0 or remove the light",
-        ));
-    }
-    Ok(value)
 }
 
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
