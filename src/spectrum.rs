@@ -1,7 +1,7 @@
 //! Bands: the colour channels that light is carried in.
 //!
 //! Three linear bands (r, g, b) today. Only the image file and the display may assume three;
-//! everything else goes through [`Bands`] and [`BANDS`].
+//! everything else goes through [`Bands`] and [`BANDS`], the kernels through what [`wgsl`] declares.
 
 /// Number of bands that light is carried in.
 pub const BANDS: usize = 3;
@@ -40,4 +40,19 @@ pub fn add(a: &Bands, b: &Bands) -> Bands {
 /// True where no band carries anything.
 pub fn is_black(b: &Bands) -> bool {
     b.iter().all(|&x| x <= 0.0)
+}
+
+/// The type of bands in WGSL, a vector, and what else depends on how many there are: the largest, and the way into a vector of
+/// four, as films are, and back.
+pub fn wgsl() -> String {
+    let names = &["b.x", "b.y", "b.z", "b.w"][..BANDS];
+    let zeros = ", 0.0".repeat(4 - BANDS);
+    let all = &"xyzw"[..BANDS];
+    let largest = names[1..].iter().fold(names[0].to_string(), |so_far, b| format!("max({so_far}, {b})"));
+    format!(
+        "alias Bands = vec{BANDS}<f32>;\n\
+         fn max_band(b: Bands) -> f32 {{ return {largest}; }}\n\
+         fn four_of_bands(b: Bands) -> vec4<f32> {{ return vec4(b{zeros}); }}\n\
+         fn bands_of_four(v: vec4<f32>) -> Bands {{ return v.{all}; }}\n"
+    )
 }

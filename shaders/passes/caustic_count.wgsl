@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let point = gather_points[held(pixel)];
-    if max(point.throughput.x, max(point.throughput.y, point.throughput.z)) <= 0.0 {
+    if max_band(point.throughput) <= 0.0 {
         counts[held(pixel)] = -1.0;
         return;
     }

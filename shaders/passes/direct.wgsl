@@ -145,5 +145,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    film_direct[held(pixel)] += vec4(point.throughput * sum / f32(pass_info.shadow_rays), 0.0);
+    film_direct[held(pixel)] += four_of_bands(point.throughput * sum / f32(pass_info.shadow_rays));
 }

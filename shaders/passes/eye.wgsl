@@ -104,5 +104,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
     gather_points[held(pixel)] = point;
-    film_emission[held(pixel)] += vec4(emission, 0.0);
+    film_emission[held(pixel)] += four_of_bands(emission);
 }

@@ -81,13 +81,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             let normal_state = sorted_jotons[mine].normal_state;
             let place = vec4(sorted_jotons[mine].position, bitcast<f32>(normal_state));
             let facing = vec4(decode_normal24(normal_state), 0.0);
-            let flux4 = vec4(sorted_jotons[mine].flux, 0.0);
+            let flux4 = four_of_bands(sorted_jotons[mine].flux);
             for (var k = 0u; k < lanes.count; k += 1u) {
                 let joton = from_lane(place, k);
                 let d = joton.xyz - point.position;
                 let is_mine = first + k >= i && first + k < end;
                 let n = from_lane(facing, k).xyz;
-                var flux = from_lane(flux4, k).xyz;
+                var flux = bands_of_four(from_lane(flux4, k));
                 if is_mine && dot(d, d) < r2 && abs(dot(d, normal)) < plane
                     && dot(n, normal) > 127.0 * GATHER_NORMAL_COS
                     && is_before(first_wall, joton.xyz) && is_before(second_wall, joton.xyz)
@@ -120,5 +120,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if !varies {
         sum *= eval_scatter(m, shading, wo, wo);
     }
-    film[at] += vec4(point.throughput * sum, 0.0);
+    film[at] += four_of_bands(point.throughput * sum);
 }

@@ -205,5 +205,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
-    seen[index] = vec4(emission, 0.0);
+    seen[index] = four_of_bands(emission);
 }

@@ -58,7 +58,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let direct_view = chain_of(point) == 0u;
     let normal = decode_direction(point.normal);
     // lanes with nothing to solve go along and find nothing
-    var is_here = is_pixel && max(point.throughput.x, max(point.throughput.y, point.throughput.z)) > 0.0;
+    var is_here = is_pixel && max_band(point.throughput) > 0.0;
     var walls = no_walls(r);
     if !pilot && is_here {
         walls = walls_about(pixel, point.position, normal, r);

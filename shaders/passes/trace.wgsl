@@ -63,7 +63,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 continue;
             }
             lane.status |= LANE_ALIVE;
-            tally.emitted += start.flux;
+            tally.emitted += four_of_bands(start.flux);
         }
         let number = index + (lane.started - 1u) * map_info.lanes;
         let is_first = tally.rays == rays_before;
@@ -75,7 +75,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         tally.rays += 1u;
         if hit.triangle == MISS {
-            tally.escaped += lane.flux;
+            tally.escaped += four_of_bands(lane.flux);
             lane.status = 0u;
             continue;
         }
@@ -115,7 +115,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let weights = roulette_at(b, lane.flux, events);
         let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
         let lobe = chosen_lobe(weights, random.x);
-        tally.absorbed += lane.flux * (1.0 - total_albedo(b.material, b.reflectance));
+        tally.absorbed += four_of_bands(lane.flux * (1.0 - total_albedo(b.material, b.reflectance)));
         if lobe == LOBE_NONE || (CAUSTIC && !is_delta(lobe)) {
             lane.status = 0u;
             continue;
@@ -135,7 +135,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         lane.direction = next.direction;
         lane.status |= select(LANE_MET_DIFFUSE, LANE_MET_SPECULAR, is_delta(lobe));
-        tally.absorbed += lane.flux * (1.0 - carried);
+        tally.absorbed += four_of_bands(lane.flux * (1.0 - carried));
         lane.flux *= carried;
         if max_band(lane.flux) <= 0.0 {
             lane.status = 0u;

@@ -1,5 +1,7 @@
-// What both ways to read the scene have in common.
+// Records of the scene: what both ways to read it have in common. Triangles, materials and emitters are read by functions that
+// Rust writes from their structs.
 // import: scene/heap.wgsl
+// import: scene/readers.wgsl
 // reads  heap, scene_info
 
 @group(0) @binding(0) var<uniform> pass_info: PassInfo;
@@ -12,6 +14,11 @@ struct Node {
     w2: vec4<u32>,
     w3: vec4<u32>,
     w4: vec4<u32>,
+}
+
+fn node_at(index: u32) -> Node {
+    let at = 5u * index;
+    return Node(node_word(at), node_word(at + 1u), node_word(at + 2u), node_word(at + 3u), node_word(at + 4u));
 }
 
 // Shading normals of a smooth triangle's corners, octahedral.

@@ -1,23 +1,19 @@
-// The scene, as every kernel reads it. scene_small.wgsl is the same where it fits into uniform buffers.
+// The scene, as every kernel reads it: word `at` of each section. scene_small.wgsl is the same where it fits into uniform buffers.
 // import: scene/records.wgsl
 // reads  heap, scene_info
 
-fn node_at(index: u32) -> Node {
-    let at = scene_info.nodes + 5u * index;
-    return Node(heap_word(at), heap_word(at + 1u), heap_word(at + 2u), heap_word(at + 3u), heap_word(at + 4u));
+fn node_word(at: u32) -> vec4<u32> {
+    return heap_word(scene_info.nodes + at);
 }
 
-fn triangle_at(index: u32) -> PackedTriangle {
-    let at = scene_info.triangles + 3u * index;
-    return triangle_of_words(heap_word(at), heap_word(at + 1u), heap_word(at + 2u));
+fn triangle_word(at: u32) -> vec4<u32> {
+    return heap_word(scene_info.triangles + at);
 }
 
-fn material_at(index: u32) -> PackedMaterial {
-    let at = scene_info.materials + 5u * index;
-    return material_of_words(heap_word(at), heap_word(at + 1u), heap_word(at + 2u), heap_word(at + 3u), heap_word(at + 4u));
+fn material_word(at: u32) -> vec4<u32> {
+    return heap_word(scene_info.materials + at);
 }
 
-fn emitter_at(index: u32) -> PackedEmitter {
-    let at = scene_info.emitters + 5u * index;
-    return emitter_of_words(heap_word(at), heap_word(at + 1u), heap_word(at + 2u), heap_word(at + 3u), heap_word(at + 4u));
+fn emitter_word(at: u32) -> vec4<u32> {
+    return heap_word(scene_info.emitters + at);
 }

@@ -2,23 +2,23 @@
 // import: scene/records.wgsl
 // reads  nodes, triangles, materials, emitters, heap, scene_info
 
-@group(0) @binding(6) var<uniform> nodes: array<Node, SMALL_NODES>;
-@group(0) @binding(7) var<uniform> triangles: array<PackedTriangle, SMALL_TRIANGLES>;
-@group(0) @binding(8) var<uniform> materials: array<PackedMaterial, SMALL_MATERIALS>;
-@group(0) @binding(9) var<uniform> emitters: array<PackedEmitter, SMALL_EMITTERS>;
+@group(0) @binding(6) var<uniform> nodes: array<vec4<u32>, SMALL_WORDS>;
+@group(0) @binding(7) var<uniform> triangles: array<vec4<u32>, SMALL_WORDS>;
+@group(0) @binding(8) var<uniform> materials: array<vec4<u32>, SMALL_WORDS>;
+@group(0) @binding(9) var<uniform> emitters: array<vec4<u32>, SMALL_WORDS>;
 
-fn node_at(index: u32) -> Node {
-    return nodes[index];
+fn node_word(at: u32) -> vec4<u32> {
+    return nodes[at];
 }
 
-fn triangle_at(index: u32) -> PackedTriangle {
-    return triangles[index];
+fn triangle_word(at: u32) -> vec4<u32> {
+    return triangles[at];
 }
 
-fn material_at(index: u32) -> PackedMaterial {
-    return materials[index];
+fn material_word(at: u32) -> vec4<u32> {
+    return materials[at];
 }
 
-fn emitter_at(index: u32) -> PackedEmitter {
-    return emitters[index];
+fn emitter_word(at: u32) -> vec4<u32> {
+    return emitters[at];
 }

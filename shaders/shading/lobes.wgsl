@@ -18,10 +18,6 @@ fn is_delta(lobe: u32) -> bool {
     return lobe >= LOBE_MIRROR;
 }
 
-fn max_band(b: Bands) -> f32 {
-    return max(b.x, max(b.y, b.z));
-}
-
 fn is_dielectric(m: PackedMaterial) -> bool {
     return HAS_DIELECTRIC && (m.flag_bits & DIELECTRIC) != 0u;
 }

@@ -50,14 +50,8 @@ shared_constants! {
     pub const MATERIAL_MASK: u32 = (1 << 24) - 1;
     /// Bit of [`GatherPoint::surface`].
     pub const BACK_SIDE: u32 = 1 << 30;
-    /// Most of each that a scene in uniform buffers has: 64 KiB, WebGPU's least limit.
-    pub const SMALL_NODES: u32 = 819;
-    /// See [`SMALL_NODES`].
-    pub const SMALL_TRIANGLES: u32 = 1365;
-    /// See [`SMALL_NODES`].
-    pub const SMALL_MATERIALS: u32 = 819;
-    /// See [`SMALL_NODES`].
-    pub const SMALL_EMITTERS: u32 = 819;
+    /// Words of 16 bytes of each section of a scene in uniform buffers: 64 KiB, WebGPU's least limit.
+    pub const SMALL_WORDS: u32 = 4096;
     /// A joton is taken only where its normal and the gather point's agree this well …
     pub const GATHER_NORMAL_COS: f32 = 0.7;
     /// … and where it lies this near the tangent plane, in radii.

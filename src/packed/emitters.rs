@@ -4,7 +4,7 @@ use super::surfaces::{NO_EMITTER, PackedTriangle};
 use crate::packed::constants::SCENE_RADIUS;
 use crate::packed::gpu_struct::gpu_struct;
 use crate::scene::{Light, Scene};
-use crate::spectrum::{Bands, is_black, scale, sum};
+use crate::spectrum::{BANDS, Bands, is_black, scale, sum};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -62,6 +62,7 @@ gpu_struct! {
         /// Number of the warp that steers its jotons, from 1; 0 where none does.
         pub warp: u32,
     }
+    words 12 + 2 * BANDS + 2
 }
 
 impl PackedEmitter {
@@ -296,6 +297,7 @@ fn emitter(
         pick: 0.0,
         flux,
         warp: 0,
+        pad: Default::default(),
     }
 }
 

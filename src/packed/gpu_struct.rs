@@ -14,14 +14,26 @@ pub trait GpuStruct: bytemuck::Pod {
     fn offsets() -> Vec<(&'static str, usize)>;
 }
 
+/// Words of padding after so many words: sizes are multiples of 16 bytes on the device.
+pub(crate) const fn padding(words: usize) -> usize {
+    (4 - words % 4) % 4
+}
+
 /// Declare a struct once for both sides. Field types are f32, u32, Vec3, Vec4, UVec4, Bands and arrays of these by an
-/// alias; a Vec3 or Bands is followed by a scalar, so that both sides agree on the padding.
+/// alias; a Vec3 is followed by a scalar, so that both sides agree on the padding. Where the size depends on the number of bands,
+/// `words` is the number of words of 4 bytes, and Rust pads as WGSL does.
 macro_rules! gpu_struct {
-    ($(#[$meta:meta])* pub struct $name:ident { $($(#[$field_meta:meta])* pub $field:ident: $ty:ident,)* }) => {
+    ($(#[$meta:meta])* pub struct $name:ident { $($(#[$field_meta:meta])* pub $field:ident: $ty:ident,)* } $(words $words:expr)?) => {
         $(#[$meta])*
         #[repr(C)]
         #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-        pub struct $name { $($(#[$field_meta])* pub $field: $ty,)* }
+        pub struct $name {
+            $($(#[$field_meta])* pub $field: $ty,)*
+            $(
+                /// Padding.
+                pub pad: [u32; $crate::packed::gpu_struct::padding($words)],
+            )?
+        }
 
         impl $crate::packed::gpu_struct::GpuStruct for $name {
             const NAME: &'static str = stringify!($name);
@@ -39,9 +51,9 @@ macro_rules! gpu_struct {
 }
 pub(crate) use gpu_struct;
 
-/// The WGSL names of the Rust types that fields have.
-pub const ALIASES: &str = "alias Vec3 = vec3<f32>;\nalias Vec4 = vec4<f32>;\nalias Bands = vec3<f32>;\n\
-    alias Table = array<vec4<u32>, 16>;\n";
+/// The WGSL names of the Rust types that fields have; [`crate::spectrum::wgsl`] has that of bands.
+pub const ALIASES: &str =
+    "alias Vec3 = vec3<f32>;\nalias Vec4 = vec4<f32>;\nalias Table = array<vec4<u32>, 16>;\n";
 
 /// Sixty-four words in a uniform buffer.
 pub type Table = [[u32; 4]; 16];

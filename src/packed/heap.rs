@@ -4,7 +4,7 @@
 use crate::packed::accel::Node;
 use crate::packed::gpu_struct::{GpuStruct, gpu_struct};
 use crate::packed::{PackedEmitter, PackedMaterial, PackedTriangle};
-use std::fmt::Write;
+use crate::spectrum::BANDS;
 
 /// Bytes of a word of the heap.
 pub const HEAP_WORD: u64 = 16;
@@ -96,31 +96,40 @@ impl HeapLayout {
     }
 }
 
-/// WGSL functions that make a struct of the words of the heap: `triangle_of_words(w0, w1, w2)` and so on.
-pub(super) fn readers() -> String {
+/// WGSL functions that read a record of the scene: `triangle_at(index)`, `material_at(index)`, `emitter_at(index)`. They ask
+/// `triangle_word(at)` and so on for the words, counted from the beginning of the section.
+pub fn readers() -> String {
     [reader::<PackedTriangle>(), reader::<PackedMaterial>(), reader::<PackedEmitter>()].concat()
 }
 
 fn reader<T: GpuStruct>() -> String {
+    const COMPONENTS: [&str; 4] = ["x", "y", "z", "w"];
+    let record = T::NAME.trim_start_matches("Packed").to_lowercase();
     let words = size_of::<T>() / HEAP_WORD as usize;
-    let parameters: Vec<String> = (0..words).map(|i| format!("w{i}: vec4<u32>")).collect();
+    let number = |at: usize| format!("w{}.{}", at / 4, COMPONENTS[at % 4]);
     let fields: Vec<String> = T::offsets()
         .into_iter()
         .zip(T::TYPES)
-        .map(|((_, at), ty)| {
-            let (word, component) = (at / HEAP_WORD as usize, at % HEAP_WORD as usize / 4);
-            match (*ty, ["x", "y", "z", "w"][component]) {
-                ("u32", c) => format!("w{word}.{c}"),
-                ("f32", c) => format!("bitcast<f32>(w{word}.{c})"),
-                ("Vec4", _) => format!("bitcast<Vec4>(w{word})"),
-                (three, _) => format!("bitcast<{three}>(w{word}.xyz)"),
-            }
+        .map(|((_, bytes), ty)| {
+            let at = bytes / 4;
+            let numbers = match *ty {
+                "u32" => return number(at),
+                "f32" => 1,
+                "Vec4" => 4,
+                "Bands" => BANDS,
+                _ => 3,
+            };
+            let all: Vec<String> =
+                (at..at + numbers).map(|i| format!("bitcast<f32>({})", number(i))).collect();
+            if numbers == 1 { all.concat() } else { format!("{ty}({})", all.join(", ")) }
         })
         .collect();
-    let mut text = String::new();
-    let name = T::NAME.trim_start_matches("Packed").to_lowercase();
-    writeln!(text, "fn {name}_of_words({}) -> {} {{", parameters.join(", "), T::NAME)
-        .and_then(|()| writeln!(text, "    return {}({});\n}}", T::NAME, fields.join(", ")))
-        .expect("writing to a string");
-    text
+    let loads: String =
+        (0..words).map(|i| format!("    let w{i} = {record}_word({words}u * index + {i}u);\n")).collect();
+    format!(
+        "fn {record}_at(index: u32) -> {} {{\n{loads}    return {}({});\n}}\n",
+        T::NAME,
+        T::NAME,
+        fields.join(", ")
+    )
 }

@@ -1,7 +1,7 @@
 //! Layout: what the kernels of a pass read and write, as both sides see it.
 
 use crate::packed::gpu_struct::{Table, gpu_struct};
-use crate::spectrum::Bands;
+use crate::spectrum::{BANDS, Bands};
 use glam::{Vec3, Vec4};
 
 gpu_struct! {
@@ -130,6 +130,7 @@ gpu_struct! {
         /// How many trees look for emission besides the eye path \[E25\]; stays from pass to pass.
         pub glint_level: u32,
     }
+    words 4 + BANDS + 5
 }
 
 gpu_struct! {
@@ -145,6 +146,7 @@ gpu_struct! {
         /// Direction it came from (wi, toward the light), octahedral.
         pub wi: u32,
     }
+    words 4 + BANDS + 1
 }
 
 gpu_struct! {
@@ -164,30 +166,27 @@ gpu_struct! {
         pub status: u32,
         /// Back faces nearer than this are not met by the next ray \[E27\].
         pub t_back: f32,
-        /// Padding.
-        pub pad0: u32,
-        /// Padding.
-        pub pad1: u32,
-        /// Padding.
-        pub pad2: u32,
     }
+    words 8 + BANDS + 2
 }
 
 gpu_struct! {
     /// What a lane has counted over the passes of a batch.
     pub struct LaneTally {
-        /// Flux that started.
-        pub emitted: Bands,
+        /// Flux that started; the bands in the first components, as in all of these.
+        pub emitted: Vec4,
+        /// Flux that surfaces absorbed (expected value).
+        pub absorbed: Vec4,
+        /// Flux that left.
+        pub escaped: Vec4,
         /// Rays.
         pub rays: u32,
-        /// Flux that surfaces absorbed (expected value).
-        pub absorbed: Bands,
         /// Jotons stored.
         pub stored: u32,
-        /// Flux that left.
-        pub escaped: Bands,
         /// Jotons that were not stored, since the camera does not look there.
         pub not_stored: u32,
+        /// Padding.
+        pub pad0: u32,
     }
 }
 

@@ -16,7 +16,7 @@ mod emitters;
 mod enclosure_culling;
 pub mod gpu_struct;
 mod guide;
-mod heap;
+pub mod heap;
 pub mod layout;
 mod surfaces;
 mod targets;

@@ -4,7 +4,7 @@ use super::winding::corner;
 use crate::packed::accel::Face;
 use crate::packed::gpu_struct::gpu_struct;
 use crate::scene::{Material, Scene};
-use crate::spectrum::{BLACK, Bands, is_black};
+use crate::spectrum::{BANDS, BLACK, Bands, is_black};
 use glam::Vec3;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
@@ -158,9 +158,8 @@ gpu_struct! {
         pub specular_exponent: f32,
         /// Radiance emitted from the front, W/(m² sr).
         pub emission: Bands,
-        /// Padding.
-        pub pad1: u32,
     }
+    words 5 * BANDS + 4
 }
 
 impl PackedMaterial {
@@ -189,7 +188,7 @@ impl PackedMaterial {
             transmission: d.map_or(BLACK, |d| d.transmission_tint),
             specular_exponent: if followed && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
-            pad1: 0,
+            pad: Default::default(),
         }
     }
 

@@ -6,9 +6,9 @@ use crate::packed::layout::*;
 use crate::packed::{PackedEmitter, PackedMaterial, PackedTriangle, SceneInfo, Target};
 use crate::sampling::distributions::{CIRCLE_COSINE, CIRCLE_SINE};
 
-/// Every struct that kernels may use, and the functions that read them from the heap, as WGSL.
+/// Every struct and constant that kernels may use, as WGSL.
 pub fn declarations() -> String {
-    let mut s = String::from(ALIASES);
+    let mut s = ALIASES.to_string() + &crate::spectrum::wgsl();
     for declaration in [
         PassInfo::WGSL,
         MapInfo::WGSL,
@@ -30,7 +30,7 @@ pub fn declarations() -> String {
     ] {
         s.push_str(declaration);
     }
-    s + &crate::packed::heap::readers() + &constants()
+    s + &constants()
 }
 
 /// Constants that the kernels use, as WGSL.

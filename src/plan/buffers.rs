@@ -9,15 +9,14 @@ use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::{SplitPaths, TREES_MAX};
 use crate::film::{LAYERS, Layer, host_bytes};
-use crate::packed::constants::{
-    SMALL_EMITTERS, SMALL_MATERIALS, SMALL_NODES, SMALL_TRIANGLES, TILE, TILES_VECTORS,
-};
+use crate::packed::accel::Node;
+use crate::packed::constants::{SMALL_WORDS, TILE, TILES_VECTORS};
 use crate::packed::layout::{
     AreaPoint, Clip, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, status,
 };
 use crate::packed::{
-    HEAP_WORD, HeapCounts, HeapLayout, MAX_TARGETS, MAX_WARPS, PackedScene, SceneInfo, Target,
-    VISIBLE_CELL_WORDS, WARP_WORDS,
+    HEAP_WORD, HeapCounts, HeapLayout, MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene,
+    PackedTriangle, SceneInfo, Target, VISIBLE_CELL_WORDS, WARP_WORDS,
 };
 
 /// A buffer of the device.
@@ -58,8 +57,8 @@ pub const FILM_PIXEL: u64 = 16;
 const WORD: u64 = 4;
 /// Bytes that every buffer's size is a multiple of.
 const GRAIN: u64 = 16;
-/// Bytes of each uniform buffer of a small scene: WebGPU's least limit.
-const SMALL_BYTES: u64 = 1 << 16;
+/// Bytes of each uniform buffer of a small scene.
+const SMALL_BYTES: u64 = SMALL_WORDS as u64 * HEAP_WORD;
 /// Bytes of the ring of uniforms.
 pub const RING_BYTES: u64 = 1 << 20;
 /// Items that one invocation of a scan adds up.
@@ -364,12 +363,12 @@ pub fn is_split(heap_bytes: u64, machine: &DeviceLimits) -> bool {
 
 /// True for a scene that fits into uniform buffers.
 pub fn is_small(scene: &PackedScene, machine: &DeviceLimits) -> bool {
-    let fits = |count: usize, most: u32| count <= most as usize;
+    let fits = |count: usize, each: usize| (count * each) as u64 <= SMALL_BYTES;
     machine.uniform_binding >= SMALL_BYTES
-        && fits(scene.bvh.node_count(), SMALL_NODES)
-        && fits(scene.triangles.len(), SMALL_TRIANGLES)
-        && fits(scene.materials.len(), SMALL_MATERIALS)
-        && fits(scene.emitters.len(), SMALL_EMITTERS)
+        && fits(scene.bvh.node_count(), size_of::<Node>())
+        && fits(scene.triangles.len(), size_of::<PackedTriangle>())
+        && fits(scene.materials.len(), size_of::<PackedMaterial>())
+        && fits(scene.emitters.len(), size_of::<PackedEmitter>())
 }
 
 /// What the maps need. Both use the same buffers, one after the other; each has tallies of its own.

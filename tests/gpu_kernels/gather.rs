@@ -127,7 +127,7 @@ pub(crate) fn point(position: Vec3, normal: Vec3, material: u32) -> GatherPoint 
 }
 
 pub(crate) fn joton(position: Vec3, normal: Vec3, flux: f32) -> Joton {
-    Joton { position, normal_state: normal24(normal), flux: [flux; 3], wi: encode_direction(normal) }
+    Joton { position, normal_state: normal24(normal), flux: [flux; 3], wi: encode_direction(normal), pad: [] }
 }
 
 /// Weights of a whole disc.
@@ -299,7 +299,13 @@ fn sums_are_those_of_a_search_over_all() {
             let wi = (n + 0.9 * random_direction(51, i)).normalize();
             let normal = (n + 0.5 * random_direction(52, i)).normalize();
             let [r, g, b, _] = random(53, i);
-            Joton { position: p, normal_state: normal24(normal), flux: [r, g, b], wi: encode_direction(wi) }
+            Joton {
+                position: p,
+                normal_state: normal24(normal),
+                flux: [r, g, b],
+                wi: encode_direction(wi),
+                pad: [],
+            }
         })
         .collect();
     let points: Vec<GatherPoint> = (0..300)

@@ -11,7 +11,7 @@ use crate::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};
 use crate::packed::{CameraRay, PackedScene, PackedTriangle};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
-use crate::spectrum::{BLACK, Bands, add, mul, scale};
+use crate::spectrum::{BANDS, BLACK, Bands, add, mul, scale};
 use glam::Vec3;
 
 /// The first D vertex of an eye path, or one with a narrow lobe in which lights without area are looked for; normals turned toward the eye.
@@ -78,7 +78,7 @@ pub(super) fn follow<'a>(
     let mut ray = Ray::new(origin, direction);
     // the first choices of way cover their square evenly over the passes: most of a glass ball's noise is theirs
     let choices = sobol2(pass, sequence_seed(settings.seed, pixel, STREAM_CHOICE));
-    let (mut throughput, mut splits) = ([1.0; 3], Splits::start());
+    let (mut throughput, mut splits) = ([1.0; BANDS], Splits::start());
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;

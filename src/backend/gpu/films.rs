@@ -50,6 +50,11 @@ pub(super) fn black(pixels: usize) -> [Vec<Bands>; LAYERS] {
     std::array::from_fn(|_| vec![[0.0; BANDS]; pixels])
 }
 
+/// A pixel as films hold it.
+pub(super) fn four(pixel: &Bands) -> [f32; 4] {
+    std::array::from_fn(|b| pixel.get(b).copied().unwrap_or(0.0))
+}
+
 /// Put into an image what was read of a film. Black pixels are left alone.
 pub(super) fn put(pixels: &mut [Bands], bytes: &[u8]) {
     for (bands, p) in pixels.iter_mut().zip(bytes.chunks_exact(FILM_PIXEL as usize)) {

@@ -2,7 +2,8 @@
 //! in any order, so each file is appended once.
 
 use crate::error::{Error, Result};
-use crate::packed::wgsl;
+use crate::packed::{heap, wgsl};
+use std::sync::LazyLock;
 
 /// Every shader file: path under shaders/, text.
 pub const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
@@ -60,7 +61,13 @@ fn append<'a>(text: &'a str, linked: &mut String, done: &mut Vec<&'a str>) -> Re
     Ok(())
 }
 
+/// The file that Rust writes: functions that read the records of the scene.
+static READERS: LazyLock<String> = LazyLock::new(heap::readers);
+
 fn find(path: &str) -> Result<&'static str> {
+    if path == "scene/readers.wgsl" {
+        return Ok(READERS.as_str());
+    }
     SOURCES.iter().find(|(name, _)| *name == path).map(|(_, text)| *text).ok_or_else(|| {
         Error::device(format!("shader file {path} does not exist"), "write it, or correct the import")
     })

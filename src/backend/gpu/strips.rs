@@ -3,7 +3,7 @@
 //! that look for emission there, and its films wait on the host. Strips leave no trace in the image, not in a bit.
 
 use super::GpuBackend;
-use super::films::{black, put};
+use super::films::{black, four, put};
 use super::recorder::Recorder;
 use crate::error::Result;
 use crate::film::Layer;
@@ -155,7 +155,7 @@ impl GpuBackend {
             match &self.strip_films {
                 Some(layers) if self.plan.traces(layer) => {
                     let pixels = &layers[layer as usize][self.own_pixels(strip)];
-                    let four: Vec<[f32; 4]> = pixels.iter().map(|[r, g, b]| [*r, *g, *b, 0.0]).collect();
+                    let four: Vec<[f32; 4]> = pixels.iter().map(four).collect();
                     let row = u64::from(self.scene.size[0]) * FILM_PIXEL;
                     let at = Self::own_rows(strip).start as u64 * row;
                     self.context.queue.write_buffer(&self.buffers[name], at, bytemuck::cast_slice(&four));
