@@ -6,6 +6,9 @@
 /// Number of bands that light is carried in.
 pub const BANDS: usize = 3;
 
+/// Their names, as files call them.
+pub const NAMES: [&str; BANDS] = ["r", "g", "b"];
+
 /// One value per band (radiance, flux, reflectance: the name of the variable says which).
 pub type Bands = [f32; BANDS];
 

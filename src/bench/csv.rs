@@ -1,15 +1,12 @@
 //! CSV: rows and summaries as tables that spreadsheets and scripts read (RFC 4180).
 
 use super::{KernelRow, Row, Summary};
-use crate::spectrum::BANDS;
-
-/// Names of the bands in columns.
-const BAND: [&str; BANDS] = ["r", "g", "b"];
+use crate::spectrum::NAMES;
 
 /// One line for each picture; cells are empty where there was no reference, no estimate yet, or
 /// where a renderer does not tell.
 pub fn runs_csv(rows: &[Row]) -> String {
-    let ratios = BAND.map(|b| format!("mean_ratio_{b}")).join(",");
+    let ratios = NAMES.map(|b| format!("mean_ratio_{b}")).join(",");
     let mut text = format!(
         "scene,device,device_name,seed,step,seconds,cpu_seconds,passes,rays,jotons,rays_per_second,\
          jotons_per_second,device_bytes,error_estimate,\
@@ -35,7 +32,7 @@ pub fn runs_csv(rows: &[Row]) -> String {
             optional(c.map(|c| c.rel_mse)),
             optional(c.map(|c| c.rel_mse_trimmed)),
         ];
-        cells.extend((0..BANDS).map(|b| optional(c.map(|c| c.mean_ratio[b]))));
+        cells.extend((0..NAMES.len()).map(|b| optional(c.map(|c| c.mean_ratio[b]))));
         text += &(cells.join(",") + "\n");
     }
     text
