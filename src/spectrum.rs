@@ -1,7 +1,7 @@
 //! Bands: the colour channels that light is carried in.
 //!
-//! Three linear bands (r, g, b) today. Only the image file and the display may assume three;
-//! everything else goes through [`Bands`] and [`BANDS`], the kernels through what [`wgsl`] declares.
+//! Three linear bands (r, g, b) today. Only this file knows how many: image files, scene files and the display go through
+//! [`from_rgb`] and [`to_rgb`], everything else through [`Bands`] and [`BANDS`], the kernels through what [`wgsl`] declares.
 
 /// Number of bands that light is carried in.
 pub const BANDS: usize = 3;
@@ -14,6 +14,16 @@ pub type Bands = [f32; BANDS];
 
 /// No light in any band.
 pub const BLACK: Bands = [0.0; BANDS];
+
+/// Linear red, green and blue of a file as bands.
+pub fn from_rgb(rgb: [f32; 3]) -> Bands {
+    rgb
+}
+
+/// Bands as linear red, green and blue, for image files and the display.
+pub fn to_rgb(bands: &Bands) -> [f32; 3] {
+    *bands
+}
 
 /// Sum over the bands, in f64.
 pub fn sum(b: &Bands) -> f64 {

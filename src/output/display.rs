@@ -5,7 +5,7 @@
 
 use crate::error::{Error, Result};
 use crate::film::Image;
-use crate::spectrum::{self, Bands};
+use crate::spectrum::{self, Bands, to_rgb};
 use std::str::FromStr;
 
 /// Rec. 709 luminance of linear r, g, b. The display may assume three bands.
@@ -95,14 +95,16 @@ impl Display {
     pub fn apply(&self, image: &Image) -> Vec<[f32; 3]> {
         let scale = self.scale(image);
         let brightest = match self.transform {
-            Transform::Perception => image.pixels.iter().filter_map(luminance).fold(0.0, f32::max) * scale,
+            Transform::Perception => {
+                image.pixels.iter().filter_map(|p| luminance(&to_rgb(p))).fold(0.0, f32::max) * scale
+            }
             _ => 1.0,
         };
         let show = |pixel: &Bands| {
             if pixel.iter().any(|x| !x.is_finite()) {
                 return NOT_FINITE;
             }
-            let exposed = pixel.map(|x| (x * scale).clamp(0.0, f32::MAX));
+            let exposed = to_rgb(pixel).map(|x| (x * scale).clamp(0.0, f32::MAX));
             match self.transform {
                 Transform::Srgb => exposed.map(srgb_from_linear),
                 Transform::Filmic => exposed.map(|x| srgb_from_linear(filmic(x))),
@@ -114,7 +116,7 @@ impl Display {
 }
 
 /// Luminance of a pixel, where it is finite.
-fn luminance(pixel: &Bands) -> Option<f32> {
+fn luminance(pixel: &[f32; 3]) -> Option<f32> {
     let l = pixel.iter().zip(LUMINANCE).map(|(x, w)| x * w).sum::<f32>();
     l.is_finite().then_some(l)
 }

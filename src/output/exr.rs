@@ -8,7 +8,7 @@ use super::atomic::write_atomically;
 use crate::error::{Error, Result};
 use crate::film::{Image, Layer, Picture};
 use crate::host::{files, memory};
-use crate::spectrum::BANDS;
+use crate::spectrum::{from_rgb, to_rgb};
 use exr::block::lines::LineRefMut;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::math::RoundingMode;
@@ -20,8 +20,8 @@ use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::path::Path;
 
-/// Channel of each band. The image file may assume three bands.
-const CHANNELS: [&str; BANDS] = ["R", "G", "B"];
+/// Channels of an image.
+const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 /// Bytes that one byte of a file can stand for at most: deflate reaches 1032, the other codecs less. A header that
 /// promises more is broken, and must not decide how much memory is asked for.
@@ -78,7 +78,7 @@ impl SamplesWriter for BandWriter<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let at = line.location.position;
         let first = at.y() * self.image.width as usize + at.x();
-        let written = line.write_samples(|x| self.image.pixels[first + x][self.band]);
+        let written = line.write_samples(|x| to_rgb(&self.image.pixels[first + x])[self.band]);
         written.expect("a line is as long as its bytes");
     }
 }
@@ -136,7 +136,7 @@ pub fn read_image(path: &Path) -> Result<Image> {
             |size, _| Image::new(size.width() as u32, size.height() as u32),
             |image: &mut Image, at, (r, g, b): (f32, f32, f32)| {
                 let pixel = at.y() * image.width as usize + at.x();
-                image.pixels[pixel] = [r, g, b];
+                image.pixels[pixel] = from_rgb([r, g, b]);
             },
         )
         .first_valid_layer()

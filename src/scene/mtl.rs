@@ -6,7 +6,7 @@
 use super::text;
 use super::warnings::Warnings;
 use crate::Result;
-use crate::spectrum::{BANDS, Bands};
+use crate::spectrum::{BANDS, Bands, from_rgb};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -149,8 +149,8 @@ fn at_bands(rest: &str, line: usize) -> Result<Option<At<Bands>>, &'static str> 
     let value = match numbers[..] {
         [] => return Err("no number"),
         [all] => [all; BANDS],
-        [..] if numbers.len() < BANDS => return Err("three numbers expected"),
-        [..] => std::array::from_fn(|band| numbers[band]),
+        [r, g, b, ..] => from_rgb([r, g, b]),
+        [..] => return Err("three numbers expected"),
     };
     Ok(Some(At { value, line }))
 }

@@ -2,7 +2,7 @@
 
 use super::mtl::At;
 use super::text::{self, Lines};
-use crate::spectrum::{BANDS, Bands};
+use crate::spectrum::{BANDS, Bands, from_rgb};
 use crate::{Error, Result};
 use glam::DVec3;
 use std::ops::Range;
@@ -182,10 +182,9 @@ impl<'a> Table<'a> {
     pub(crate) fn bands(&self, key: &str) -> Result<Option<At<Bands>>> {
         let Some((value, line, _)) = self.get(key) else { return Ok(None) };
         let values = match finite(value) {
-            Some(all) => Some([all; BANDS]),
-            None => self.numbers::<BANDS>(key).and_then(|(values, _)| values),
+            Some(all) => Some([all as f32; BANDS]),
+            None => self.numbers(key).and_then(|(values, _)| values).map(|v| from_rgb(v.map(|x| x as f32))),
         };
-        let values = values.map(|v| v.map(|x| x as f32));
         match values {
             Some(values) if values.iter().all(|v| v.is_finite() && *v >= 0.0) => {
                 Ok(Some(At { value: values, line }))
