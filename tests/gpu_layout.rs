@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Row, Snippet};
+use joton::packed::CameraInfo;
 use joton::packed::gpu_struct::GpuStruct;
 use joton::packed::layout;
 use naga::proc::Layouter;
@@ -38,6 +39,7 @@ fn on_the_device(wgsl: &str, name: &str) -> Option<Shape> {
 macro_rules! for_every_struct {
     ($f:ident) => {
         $f!(
+            joton::packed::CameraInfo,
             layout::PassInfo,
             layout::MapInfo,
             layout::GatherPoint,
@@ -115,6 +117,12 @@ fn field_words(ty: &str, field: &str) -> (String, usize) {
             ),
             64,
         ),
+        "CameraInfo" => {
+            let inner = CameraInfo::offsets().into_iter().zip(CameraInfo::TYPES);
+            let all: Vec<_> =
+                inner.map(|((name, _), ty)| field_words(ty, &format!("{field}.{name}"))).collect();
+            (all.iter().map(|(put, _)| put.as_str()).collect(), all.iter().map(|(_, count)| count).sum())
+        }
         _ => panic!("a type that this test does not know: {ty}"),
     }
 }

@@ -1,4 +1,5 @@
 // The camera: a pinhole; row 0 is the top. Twin: src/packed/camera.rs.
+// import: sampling/rng.wgsl
 // reads  pass_info
 
 struct CameraRay {
@@ -14,7 +15,13 @@ struct CameraRay {
 fn camera_ray(pixel: u32, jitter: vec2<f32>) -> CameraRay {
     let x = (f32(pixel % pass_info.width) + jitter.x) / f32(pass_info.width);
     let y = (f32(pixel / pass_info.width) + jitter.y) / f32(pass_info.height);
-    let across = (2.0 * x - 1.0) * pass_info.right + (1.0 - 2.0 * y) * pass_info.up;
-    let along = pass_info.forward + across;
-    return CameraRay(pass_info.eye + across * pass_info.eye_ahead, normalize(along), pass_info.eye_ahead * length(along));
+    let camera = pass_info.camera;
+    let across = (2.0 * x - 1.0) * camera.right + (1.0 - 2.0 * y) * camera.up;
+    let along = camera.forward + across;
+    return CameraRay(camera.start + across * camera.ahead, normalize(along), camera.ahead * length(along));
+}
+
+// Ray `number` of a pixel, drawn by a stream of random numbers; box filter one pixel wide.
+fn sample_camera(pixel: u32, number: u32, seed: u32, stream: u32) -> CameraRay {
+    return camera_ray(pixel, sobol2(number, sequence_seed(seed, pixel, stream)));
 }

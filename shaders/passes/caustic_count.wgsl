@@ -24,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         counts[held(pixel)] = -1.0;
         return;
     }
-    let r = min(map_info.radius, RADIUS_FOOTPRINTS * point.path_length * pass_info.pixel_angle);
+    let r = min(map_info.radius, RADIUS_FOOTPRINTS * point.path_length * pass_info.camera.pixel_angle);
     let normal = decode_direction(point.normal);
     let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
     var count = 0.0;

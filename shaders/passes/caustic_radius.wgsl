@@ -33,7 +33,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
     }
     var largest = map_info.radius;
-    let footprint = gather_points[held(pixel)].path_length * pass_info.pixel_angle;
+    let footprint = gather_points[held(pixel)].path_length * pass_info.camera.pixel_angle;
     if counts[held(pixel)] >= 0.0 {
         largest = min(largest, RADIUS_FOOTPRINTS * footprint);
     }

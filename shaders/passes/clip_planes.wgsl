@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let normal = decode_direction(point.normal);
         let frame = basis(normal);
         // the pixel's other gather points lie about this one
-        let footprint = pixel_footprint(point, pass_info.pixel_angle);
+        let footprint = pixel_footprint(point, pass_info.camera.pixel_angle);
         let r = map_info.radius + footprint;
         let origin = point.position + normal * (CLIP_LIFT * r);
         var walls = no_walls(r);

@@ -30,12 +30,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let sample = sequence_index(index);
-    let jitter = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_JITTER));
     let choices = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
     let level = gather_points[held(pixel)].glint_level;
     let trees = trees_a_pass(level);
     var splits = Splits(1.0, 1.0);
-    let camera = camera_ray(pixel, jitter);
+    let camera = sample_camera(pixel, sample, pass_info.seed, STREAM_JITTER);
     var start = Departure(camera.origin, 0.0);
     var direction = camera.direction;
     var throughput = Bands(1.0);

@@ -52,12 +52,11 @@ struct Way {
 // Tree `number`, 64 bits, of a pixel, which ends before `steps` comes to `budget`; weighed beside so many trees a pass, but in the pilot.
 fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> Seen {
     let seed = seed_at(pass_info.seed, number.y);
-    let jitter = sobol2(number.x, sequence_seed(seed, pixel, STREAM_GLINT_JITTER));
     var waiting: array<Way, WAITING_MAX>;
     var waits = 0u;
     var found = Seen(Bands(0.0), false, false, 0u);
     var node = 0u;
-    let camera = camera_ray(pixel, jitter);
+    let camera = sample_camera(pixel, number.x, seed, STREAM_GLINT_JITTER);
     var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0);
     var alive = true;
     // A tree may have more rays than an invocation's loops. From half of its steps on one way goes on for all that are left,

@@ -147,7 +147,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     }
     if pilot {
         // mirrors have no area points, and --paths must not change what is found; and where pixels are large the pilot's point does not speak for the others
-        others = others || SPECULAR_BODIES || pixel_footprint(point, pass_info.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
+        others = others || SPECULAR_BODIES || pixel_footprint(point, pass_info.camera.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
         edges[at] = edge | select(0u, EDGE_OTHERS, others);
     }
     fits[at] = Fit(c);

@@ -1,7 +1,10 @@
 //! The camera in internal units, and its rays, which keep their digits however far away it is. Twin:
 //! shaders/camera/camera.wgsl.
 
+use crate::packed::PackedScene;
 use crate::packed::constants::SCENE_RADIUS;
+use crate::packed::gpu_struct::gpu_struct;
+use crate::sampling::rng::sequence2;
 use crate::scene::Camera;
 use glam::{DVec3, Vec3};
 
@@ -24,6 +27,28 @@ pub struct PackedCamera {
     pub forward: Vec3,
 }
 
+gpu_struct! {
+    /// The camera as the kernels see it; see [`PackedCamera`].
+    pub struct CameraInfo {
+        /// Where the middle ray starts.
+        pub start: Vec3,
+        /// Distance from the eye to `start`.
+        pub ahead: f32,
+        /// Right, scaled by the tangent of half the field of view across.
+        pub right: Vec3,
+        /// Width of a pixel at unit distance.
+        pub pixel_angle: f32,
+        /// Up, scaled likewise.
+        pub up: Vec3,
+        /// Padding.
+        pub pad0: u32,
+        /// Unit view direction.
+        pub forward: Vec3,
+        /// Padding.
+        pub pad1: u32,
+    }
+}
+
 /// A ray of the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraRay {
@@ -33,6 +58,28 @@ pub struct CameraRay {
     pub direction: Vec3,
     /// Its length before that, from the eye.
     pub travelled: f32,
+}
+
+impl PackedScene {
+    /// Width of a pixel at unit distance from the eye.
+    pub fn pixel_angle(&self) -> f32 {
+        2.0 * self.camera.right.length() / self.size[0] as f32
+    }
+
+    /// The camera as the kernels see it.
+    pub fn camera_info(&self) -> CameraInfo {
+        let PackedCamera { start, ahead, right, up, forward, .. } = self.camera;
+        CameraInfo { start, ahead, right, pixel_angle: self.pixel_angle(), up, pad0: 0, forward, pad1: 0 }
+    }
+
+    /// Ray `number` of a pixel, drawn by a stream of random numbers; box filter one pixel wide.
+    pub(crate) fn sample_camera(&self, pixel: u32, number: u64, seed: u32, stream: u32) -> CameraRay {
+        let [width, height] = self.size;
+        let [jx, jy] = sequence2(number, seed, pixel, stream);
+        let x = ((pixel % width) as f32 + jx) / width as f32;
+        let y = ((pixel / width) as f32 + jy) / height as f32;
+        self.camera.ray([x, y])
+    }
 }
 
 impl PackedCamera {

@@ -1,5 +1,6 @@
 //! Layout: what the kernels of a pass read and write, as both sides see it.
 
+use crate::packed::camera::CameraInfo;
 use crate::packed::gpu_struct::{Table, gpu_struct};
 use crate::spectrum::{BANDS, Bands};
 use glam::{Vec3, Vec4};
@@ -7,24 +8,16 @@ use glam::{Vec3, Vec4};
 gpu_struct! {
     /// What is the same for all kernels of a pass; a uniform, one slot for each pass of a submission.
     pub struct PassInfo {
-        /// Where the camera's middle ray starts: the eye, or a place before the scene where that is far away.
-        pub eye: Vec3,
+        /// The camera.
+        pub camera: CameraInfo,
         /// Image width, pixels.
         pub width: u32,
-        /// Right, scaled by the tangent of half the field of view.
-        pub right: Vec3,
         /// Image height, pixels.
         pub height: u32,
-        /// Up, scaled likewise.
-        pub up: Vec3,
         /// The user's seed.
         pub seed: u32,
-        /// Unit view direction.
-        pub forward: Vec3,
         /// Index of the pass, from 0.
         pub pass_index: u32,
-        /// Width of a pixel at unit distance.
-        pub pixel_angle: f32,
         /// Shadow rays for each gather point.
         pub shadow_rays: u32,
         /// Number of emitters.
@@ -47,14 +40,8 @@ gpu_struct! {
         pub glint_count: u32,
         /// Passes of which one has a tree, in pixels of level [`GLINT_TURNS`].
         pub glint_turns: u32,
-        /// Distance from the eye to `eye`, in units of a ray's `forward`, `right` and `up`.
-        pub eye_ahead: f32,
         /// Padding.
         pub pad0: u32,
-        /// Padding.
-        pub pad1: u32,
-        /// Padding.
-        pub pad2: u32,
     }
 }
 

@@ -25,7 +25,7 @@ pub mod wgsl;
 mod winding;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
-pub use camera::{CameraRay, PackedCamera};
+pub use camera::{CameraInfo, CameraRay, PackedCamera};
 pub use doubts::doubts;
 pub use emitters::{EmitterKind, FAR, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};

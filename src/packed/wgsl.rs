@@ -3,13 +3,14 @@
 use crate::packed::constants::*;
 use crate::packed::gpu_struct::{ALIASES, GpuStruct};
 use crate::packed::layout::*;
-use crate::packed::{PackedEmitter, PackedMaterial, PackedTriangle, SceneInfo, Target};
+use crate::packed::{CameraInfo, PackedEmitter, PackedMaterial, PackedTriangle, SceneInfo, Target};
 use crate::sampling::distributions::{CIRCLE_COSINE, CIRCLE_SINE};
 
 /// Every struct and constant that kernels may use, as WGSL.
 pub fn declarations() -> String {
     let mut s = ALIASES.to_string() + &crate::spectrum::wgsl();
     for declaration in [
+        CameraInfo::WGSL,
         PassInfo::WGSL,
         MapInfo::WGSL,
         GatherPoint::WGSL,

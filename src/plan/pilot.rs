@@ -78,10 +78,3 @@ pub(super) fn aimed(scene: &PackedScene, guide: &Guide) -> bool {
     let emitters = guide.emitters(&scene.emitters).iter();
     emitters.filter(|e| outside(e.middle())).map(|e| e.pick).sum::<f32>() > 0.5
 }
-
-impl PackedScene {
-    /// Width of a pixel at unit distance from the eye.
-    pub fn pixel_angle(&self) -> f32 {
-        2.0 * self.camera.right.length() / self.size[0] as f32
-    }
-}

@@ -46,7 +46,7 @@ fn counts_are_those_of_a_search_over_all() {
     harness.storage("counts", &vec![PATTERN; points.len()]);
     let mut pass = pass_info();
     pass.set_image([WIDTH, HEIGHT]);
-    pass.pixel_angle = ANGLE;
+    pass.camera.pixel_angle = ANGLE;
     let count = kernel(
         context,
         "passes/caustic_count.wgsl",
@@ -94,7 +94,7 @@ fn radii_hold_the_wanted_number() {
     let info = info(1);
     let mut pass = pass_info();
     pass.set_image([WIDTH, HEIGHT]);
-    pass.pixel_angle = ANGLE;
+    pass.camera.pixel_angle = ANGLE;
     let overrides = [
         ("RADIUS_FOOTPRINTS", f64::from(FOOTPRINTS[1])),
         ("RADIUS_FOOTPRINTS_MIN", f64::from(FOOTPRINTS[0])),

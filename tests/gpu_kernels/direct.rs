@@ -27,15 +27,10 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
     let mut harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
     harness.uniform("path_filter", &path_filter("L.*E"));
     let pixels = scene.pixels();
-    let c = &scene.camera;
     let mut pass = PassInfo {
-        eye: c.eye,
-        right: c.right,
-        up: c.up,
+        camera: scene.camera_info(),
         seed: 9,
-        forward: c.forward,
         pass_index: 4,
-        pixel_angle: scene.pixel_angle(),
         shadow_rays,
         emitters: scene.emitters.len() as u32,
         ..pass_info()

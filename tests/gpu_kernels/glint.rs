@@ -99,18 +99,8 @@ fn trees(pixels: u32, pass: u32) -> Vec<u32> {
 }
 
 fn pass_of(scene: &PackedScene, pass_index: u32) -> PassInfo {
-    let c = &scene.camera;
-    let mut pass = PassInfo {
-        eye: c.eye,
-        right: c.right,
-        up: c.up,
-        seed: 3,
-        forward: c.forward,
-        pass_index,
-        pixel_angle: scene.pixel_angle(),
-        glint_turns: TURNS,
-        ..pass_info()
-    };
+    let mut pass =
+        PassInfo { camera: scene.camera_info(), seed: 3, pass_index, glint_turns: TURNS, ..pass_info() };
     pass.set_image(scene.size);
     pass
 }

@@ -38,8 +38,7 @@ impl<'a> Device<'a> {
         let mut harness = Harness::with_scene(context, scene, &plan).unwrap_or_else(|e| panic!("{e}"));
         harness.scene("emitters", guide.emitters(&scene.emitters));
         let mut pass = pass_info();
-        (pass.eye, pass.right, pass.up) = (scene.camera.eye, scene.camera.right, scene.camera.up);
-        pass.forward = scene.camera.forward;
+        pass.camera = scene.camera_info();
         pass.set_image(scene.size);
         pass.emitters = scene.emitters.len() as u32;
         pass.targets = scene.targets.len() as u32;

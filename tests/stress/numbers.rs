@@ -144,8 +144,7 @@ fn ray_counter(sheet: &mut Sheet) {
     harness.storage("gather_points", &vec![0u8; pixels * size_of::<GatherPoint>()]);
     harness.storage("film_emission", &vec![[0.0f32; 4]; pixels]);
     let mut pass = pass_info();
-    (pass.eye, pass.right, pass.up, pass.forward) =
-        (scene.camera.eye, scene.camera.right, scene.camera.up, scene.camera.forward);
+    pass.camera = scene.camera_info();
     pass.set_image([SIZE, SIZE]);
     let eye = kernel(context, "passes/eye.wgsl", "main", &[]);
     let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];

@@ -46,15 +46,7 @@ pub(super) struct EyePath<'a> {
 
 /// The camera's ray of a pixel in a pass; box filter one pixel wide.
 pub(super) fn camera_ray(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -> CameraRay {
-    ray_through(scene, pixel, sobol2(pass, sequence_seed(seed, pixel, STREAM_JITTER)))
-}
-
-/// The camera's ray through a place in a pixel.
-pub(super) fn ray_through(scene: &PackedScene, pixel: u32, [jx, jy]: [f32; 2]) -> CameraRay {
-    let [width, height] = scene.size;
-    let x = ((pixel % width) as f32 + jx) / width as f32;
-    let y = ((pixel / width) as f32 + jy) / height as f32;
-    scene.camera.ray([x, y])
+    scene.sample_camera(pixel, pass.into(), seed, STREAM_JITTER)
 }
 
 /// True where emission is wanted that is seen through `chain` specular events (E S* L).

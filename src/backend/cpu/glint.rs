@@ -3,7 +3,7 @@
 //! In pixels that a pilot marked; in those that see specular surfaces and no light, in some passes only; in the others the eye path
 //! alone. Where there are both, each weighs what the other would not find [E25].
 
-use super::eye::{ray_through, survival, wants_emission};
+use super::eye::{survival, wants_emission};
 use super::splits::Splits;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
@@ -14,7 +14,7 @@ use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{PILOT_TREES, WAITING_MAX};
 use crate::packed::{CameraRay, PackedScene};
 use crate::plan::Plan;
-use crate::sampling::rng::{random4, seed_at, sequence2};
+use crate::sampling::rng::{random4, seed_at};
 use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, mul, scale};
 use rayon::prelude::*;
 
@@ -50,9 +50,8 @@ fn tree(
     weight: impl Fn(u32, &Splits) -> f32,
     tally: &mut Tally,
 ) -> TreeView {
-    let place = sequence2(number, seed, pixel, STREAM_GLINT_JITTER);
+    let CameraRay { origin, direction, .. } = scene.sample_camera(pixel, number, seed, STREAM_GLINT_JITTER);
     let (seed, number) = (seed_at(seed, (number >> 32) as u32), number as u32);
-    let CameraRay { origin, direction, .. } = ray_through(scene, pixel, place);
     let ray = Ray::new(origin, direction);
     let mut waiting =
         [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0 }; WAITING_MAX as usize];

@@ -171,17 +171,12 @@ impl GpuBackend {
 
     /// The uniform of a pass over a strip.
     fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
-        let c = &self.scene.camera;
         PassInfo {
-            eye: c.start,
+            camera: self.scene.camera_info(),
             width: self.scene.size[0],
-            right: c.right,
             height: self.scene.size[1],
-            up: c.up,
             seed: self.plan.settings.seed,
-            forward: c.forward,
             pass_index: pass,
-            pixel_angle: self.scene.pixel_angle(),
             shadow_rays: self.plan.settings.shadow_rays,
             emitters: self.scene.emitters.len() as u32,
             targets: self.scene.targets.len() as u32,
@@ -193,10 +188,7 @@ impl GpuBackend {
             glint_first: 0,
             glint_count: 0,
             glint_turns: self.glints.turns(),
-            eye_ahead: c.ahead,
             pad0: 0,
-            pad1: 0,
-            pad2: 0,
         }
     }
 
