@@ -6,8 +6,8 @@
 //! nearly as much as the best is taken. Where none sees any light, the room is closed and the camera goes inside.
 //! Objects without a ceiling are seen from slightly above, and near: a backdrop of few triangles need not be whole.
 
+use super::camera::DEFAULT_FOV_X;
 use super::obj::geometric_normal;
-use super::scene_file::DEFAULT_FOV_X;
 use super::{Camera, Light, LightPlace, Material, Mesh};
 use crate::spectrum;
 use glam::DVec3;

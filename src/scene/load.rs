@@ -3,7 +3,7 @@
 use super::glass::{self, Origin};
 use super::mtl::RawMaterial;
 use super::obj::{self, ObjFile};
-use super::scene_file::{self, CameraEntry, DEFAULT_SIZE, MeshEntry};
+use super::scene_file::{self, DEFAULT_SIZE, MeshEntry};
 use super::warnings::{Named, Warnings, listed};
 use super::{Camera, Light, Material, Mesh, Scene, frame, rule, text, validate};
 use crate::host::files;
@@ -76,7 +76,11 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     validate::light(path, &mesh, &materials, &description.lights)?;
     let size = description.size;
     let camera = match &description.camera {
-        Some(entry) => camera(entry, size, path)?,
+        Some(entry) => {
+            let camera = entry.camera(size);
+            validate::camera(path, Some(entry.line), &camera)?;
+            camera
+        }
         None => frame::frame(&mesh, &materials, &description.lights, size),
     };
     let warnings = warnings.into_lines();
@@ -126,17 +130,6 @@ fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result
 }
 
 /// Turns the entry into a camera for an image of `size` pixels.
-fn camera(entry: &CameraEntry, size: [u32; 2], path: &Path) -> Result<Camera> {
-    let (degrees, across_width) = entry.fov;
-    let tangent = (degrees.to_radians() / 2.0).tan();
-    let [width, height] = size.map(f64::from);
-    let tan_half_fov =
-        if across_width { [tangent, tangent * height / width] } else { [tangent * width / height, tangent] };
-    let camera = Camera { position: entry.position, target: entry.target, up: entry.up, tan_half_fov };
-    validate::camera(path, Some(entry.line), &camera)?;
-    Ok(camera)
-}
-
 /// A mesh file whose materials are looked up.
 struct Opened {
     file: ObjFile,

@@ -3,6 +3,7 @@
 //! reads   TOML text
 //! writes  a [`Description`]: typed, every key known, not yet looked up or put together
 
+use super::camera::CameraEntry;
 use super::light::{self, Light};
 use super::mtl::{At, Kind, RawMaterial};
 use super::table::{Table, parse};
@@ -11,8 +12,6 @@ use crate::{Error, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
-/// Field of view across the width where a file gives none, degrees.
-pub(crate) const DEFAULT_FOV_X: f64 = 40.0;
 /// Image size where a file gives none, pixels.
 pub(crate) const DEFAULT_SIZE: [u32; 2] = [512, 512];
 /// Largest image side, pixels: what a 2D texture may measure on most devices, and a typing error beyond.
@@ -31,21 +30,6 @@ pub(crate) struct Description {
     pub(crate) lights: Vec<Light>,
     /// Materials that override or define.
     pub(crate) materials: Vec<RawMaterial>,
-}
-
-/// `[camera]`
-#[derive(Debug)]
-pub(crate) struct CameraEntry {
-    /// Line of its header.
-    pub(crate) line: usize,
-    /// Eye point, world units.
-    pub(crate) position: DVec3,
-    /// Middle of the image.
-    pub(crate) target: DVec3,
-    /// Up.
-    pub(crate) up: DVec3,
-    /// Full angle in degrees, and whether it is across the width.
-    pub(crate) fov: (f64, bool),
 }
 
 /// `[[mesh]]`
@@ -68,7 +52,7 @@ pub(crate) fn read(path: &Path) -> Result<Description> {
     let lines = Lines::of(&source);
     let root = Table::new(path, &lines, "the scene", root.get_ref(), root.span());
     root.allow(&["camera", "film", "mesh", "light", "material"])?;
-    let camera = root.table("camera")?.map(camera).transpose()?;
+    let camera = root.table("camera")?.map(CameraEntry::read).transpose()?;
     let size = root.table("film")?.map(film).transpose()?.unwrap_or(DEFAULT_SIZE);
     let meshes = root.tables("mesh")?.into_iter().map(|t| mesh(t, path)).collect::<Result<Vec<_>>>()?;
     let lights = root.tables("light")?.into_iter().map(light::read).collect::<Result<Vec<_>>>()?;
@@ -78,30 +62,6 @@ pub(crate) fn read(path: &Path) -> Result<Description> {
         return Err(Error::scene(path, None, "no [[mesh]]", "add one: [[mesh]] with file = \"name.obj\""));
     }
     Ok(Description { camera, size, meshes, lights, materials })
-}
-
-fn camera(table: Table) -> Result<CameraEntry> {
-    table.allow(&["position", "target", "up", "fov_x", "fov_y"])?;
-    let position = table.vector("position")?;
-    let target = table.vector("target")?;
-    let up = table.optional_vector("up")?.unwrap_or(DVec3::Y);
-    let fov = match (table.number("fov_x")?, table.number("fov_y")?) {
-        (Some(_), Some(y)) => return Err(table.fault(y.line, "both fov_x and fov_y", "give one of them")),
-        (Some(x), None) => (x, true),
-        (None, Some(y)) => (y, false),
-        (None, None) => (At { value: DEFAULT_FOV_X, line: table.line() }, true),
-    };
-    if !(fov.0.value > 0.0 && fov.0.value < 180.0) {
-        let what = format!("field of view of {} degrees", fov.0.value);
-        return Err(table.fault(fov.0.line, &what, "give an angle between 0 and 180"));
-    }
-    Ok(CameraEntry {
-        line: table.line(),
-        position: position.value,
-        target: target.value,
-        up,
-        fov: (fov.0.value, fov.1),
-    })
 }
 
 fn film(table: Table) -> Result<[u32; 2]> {
