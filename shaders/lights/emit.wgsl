@@ -4,9 +4,7 @@
 // import: dispatch/index.wgsl
 // import: sampling/rng.wgsl
 // import: lights/pick.wgsl
-// import: lights/triangle.wgsl
-// import: lights/point.wgsl
-// import: lights/sun.wgsl
+// import: lights/light.wgsl
 // import: lights/sun_aimed.wgsl
 // import: lights/warp.wgsl
 // reads  scene, targets, warps, map_info, pass_info
@@ -42,33 +40,18 @@ fn emit(number: u32) -> Start {
         v = steered.place;
         share /= steered.density;
     }
-    if HAS_DELTA_LIGHTS && e.kind == EMITTER_SUN {
-        let count = own(pass_info.targets);
-        if CAUSTIC && count > 0u {
-            return sun_aimed(e, v, share, count);
-        }
-        return sun_by_law(e, v, share);
+    if HAS_DELTA_LIGHTS && e.kind == EMITTER_SUN && CAUSTIC && own(pass_info.targets) > 0u {
+        return sun_aimed(e, v, share, own(pass_info.targets));
     }
-    var beam = point_beam(e);
-    if is_triangle(e.kind) {
-        beam = triangle_beam(e, vec2(pick.rest, u.y));
-    }
-    var aim = Aim(vec3(0.0), 0u, vec3(0.0), 0.0);
+    let beam = light_beam(e, vec2(pick.rest, u.y));
     if CAUSTIC {
-        aim = aim_at_targets(beam, v);
-    }
-    // where its own cone is narrower than those of the targets, a light's own law serves better
-    if aim.hits > 0u && (is_triangle(e.kind) || aim.total < e.area) {
-        let weight = share * aim.total / f32(aim.hits);
-        if is_triangle(e.kind) {
-            return triangle_along(e, beam, aim.direction, weight);
+        let aim = aim_at_targets(beam, v);
+        // where its own cone is narrower than those of the targets, a light's own law serves better
+        if aim.hits > 0u && aim.total < own_cone(e) {
+            return le_along(e, beam, ConeRay(aim.direction, aim.foot), share * aim.total / f32(aim.hits));
         }
-        return point_along(e, beam, ConeRay(aim.direction, aim.foot), weight);
     }
-    if is_triangle(e.kind) {
-        return triangle_by_law(e, beam, v, share);
-    }
-    return point_by_law(e, beam, v, share);
+    return sample_le(e, beam, v, share);
 }
 
 struct Aim {

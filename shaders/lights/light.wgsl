@@ -1,7 +1,41 @@
-// Lights as shadow rays and camera paths find them: the kinds, one line each. Emission of jotons: emit.wgsl.
+// Lights: the kinds, and what each is asked for. A new kind is a file and a line in each of these functions. Twin:
+// src/optics/lights/mod.rs. Jotons that are aimed, and the sun's: emit.wgsl.
 // import: lights/triangle.wgsl
 // import: lights/point.wgsl
 // import: lights/sun.wgsl
+
+// Where a joton's ray begins and about which axis; a place of an emissive triangle by u.
+fn light_beam(e: PackedEmitter, u: vec2<f32>) -> Beam {
+    var beam = point_beam(e);
+    if is_triangle(e.kind) {
+        beam = triangle_beam(e, u);
+    }
+    return beam;
+}
+
+// Solid angle, sr, that its own law starts jotons into: where it is narrower than the cones of the targets it serves better.
+fn own_cone(e: PackedEmitter) -> f32 {
+    return select(e.area, 1e30, is_triangle(e.kind));
+}
+
+// A joton by the light's own law, from its beam; v uniform; `share` of its flux [E2].
+fn sample_le(e: PackedEmitter, beam: Beam, v: vec2<f32>, share: f32) -> Start {
+    if HAS_DELTA_LIGHTS && e.kind == EMITTER_SUN {
+        return sun_by_law(e, v, share);
+    }
+    if is_triangle(e.kind) {
+        return triangle_by_law(e, beam, v, share);
+    }
+    return point_by_law(e, beam, v, share);
+}
+
+// A joton along a ray that was drawn otherwise; `weight` in sr [E13].
+fn le_along(e: PackedEmitter, beam: Beam, ray: ConeRay, weight: f32) -> Start {
+    if is_triangle(e.kind) {
+        return triangle_along(e, beam, ray.direction, weight);
+    }
+    return point_along(e, beam, ray, weight);
+}
 
 // A place on an emitter, seen from p.
 fn sample_li(e: PackedEmitter, p: vec3<f32>, u: vec2<f32>) -> LightSample {

@@ -1,6 +1,6 @@
 //! Facts of a scene that a plan is made from: what is there, and what light can never do.
 
-use crate::optics::lights::light::shines_on;
+use crate::optics::lights::shines_on;
 use crate::packed::{MaterialFlags, PackedScene};
 use glam::Vec3;
 

@@ -5,7 +5,7 @@ use super::Plan;
 use super::discs::{Place, is_cut};
 use crate::estimators::maps::MapKind;
 use crate::film::Layer;
-use crate::optics::lights::light::le;
+use crate::optics::lights::le;
 use crate::optics::lights::pick::{aimed, by_law, sample_light};
 use crate::optics::lights::samples::Start;
 use crate::optics::ray::{Ray, SurfaceInteraction};

@@ -7,10 +7,10 @@
 use super::eye::GatherPoint;
 use super::streams::{DIMENSION_BSDF, STREAM_LIGHT};
 use crate::backend::Tally;
-use crate::optics::lights::light::{is_near, le, on_miss};
 use crate::optics::lights::pick::{pdf_light, sample_light};
 use crate::optics::lights::reservoir::Reservoir;
 use crate::optics::lights::samples::LightSample;
+use crate::optics::lights::{is_near, le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
 use crate::packed::constants::NEAR_EMITTERS_MAX;
 use crate::packed::{PackedEmitter, PackedScene};

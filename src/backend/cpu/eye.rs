@@ -4,7 +4,7 @@ use super::splits::Splits;
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
-use crate::optics::lights::light::{le, on_miss};
+use crate::optics::lights::{le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};

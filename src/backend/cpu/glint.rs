@@ -8,7 +8,7 @@ use super::splits::Splits;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
 use crate::estimators::split_paths::{Light, Look, SplitPaths, is_mixed};
-use crate::optics::lights::light::{le, on_miss};
+use crate::optics::lights::{le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{PILOT_TREES, WAITING_MAX};

@@ -1,7 +1,7 @@
 //! Picking one of the emitters, and what is asked of the one that was picked. Twin: shaders/lights/pick.wgsl.
 
-use crate::optics::lights::light::{pdf_li, sample_le, sample_le_aimed, sample_li};
 use crate::optics::lights::samples::{LightSample, Start};
+use crate::optics::lights::{pdf_li, sample_le, sample_le_aimed, sample_li};
 use crate::optics::ray::SurfaceInteraction;
 use crate::packed::{Guide, NO_EMITTER, PackedEmitter, PackedScene};
 use crate::spectrum::scale;

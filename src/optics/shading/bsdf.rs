@@ -1,65 +1,17 @@
-//! The BSDF at a hit: its lobes, and what is asked of all of them together. A new lobe is a file of its own, a variant here of those that
-//! scatter or of the delta ones, and the line that makes it of a material. Twin: shaders/shading/{lobes,bsdf}.wgsl.
+//! The BSDF at a hit: what is asked of all its lobes together. Twin: shaders/shading/bsdf.wgsl.
 //!
 //! Lobes that scatter (event D) are sampled as one mixture; of the delta lobes (event S), which light follows in one direction or
 //! nearly so, each is a way of its own.
 
 use crate::optics::ray::SurfaceInteraction;
-use crate::optics::shading::dielectric::{self, Way};
 use crate::optics::shading::frame::Frame;
-use crate::optics::shading::lambert::Lambert;
-use crate::optics::shading::mirror::Mirror;
 use crate::optics::shading::phong::Phong;
+use crate::optics::shading::{DeltaLobe, MOST, ScatterLobe, delta_lobes, scatter_lobes};
 use crate::packed::PackedMaterial;
 use crate::packed::constants::NARROW_STOPS;
 use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
 use arrayvec::ArrayVec;
 use glam::Vec3;
-
-/// Most lobes of a material that scatter, and most delta lobes.
-const MOST: usize = 2;
-
-/// A lobe that scatters.
-#[derive(Debug, Clone, Copy)]
-enum ScatterLobe {
-    Lambert(Lambert),
-    Phong(Phong),
-}
-
-impl ScatterLobe {
-    fn albedo(&self) -> Bands {
-        match self {
-            Self::Lambert(l) => l.albedo,
-            Self::Phong(p) => p.albedo,
-        }
-    }
-
-    fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
-        match self {
-            Self::Lambert(l) => l.eval(),
-            Self::Phong(p) => p.eval(wi, wo, n),
-        }
-    }
-
-    fn pdf(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-        match self {
-            Self::Lambert(l) => l.pdf(wi, n),
-            Self::Phong(p) => p.pdf(wi, wo, n),
-        }
-    }
-
-    fn sample(&self, wo: Vec3, n: Vec3, u: [f32; 2]) -> Vec3 {
-        match self {
-            Self::Lambert(l) => l.sample(n, u),
-            Self::Phong(p) => p.sample(wo, n, u),
-        }
-    }
-
-    /// True where f_r depends on directions.
-    fn varies(&self) -> bool {
-        !matches!(self, Self::Lambert(_))
-    }
-}
 
 /// The lobes of a material that scatter. Directions are unit vectors that leave the surface.
 #[derive(Debug, Clone)]
@@ -72,14 +24,9 @@ pub struct Scatter {
 impl Scatter {
     /// Of a material.
     pub fn of(m: &PackedMaterial) -> Self {
-        let mut lobes = ArrayVec::new();
-        if m.flags().has_lambert() {
-            lobes.push(ScatterLobe::Lambert(Lambert { albedo: m.diffuse }));
-        }
-        if m.flags().has_glossy() {
-            lobes.push(ScatterLobe::Phong(Phong { albedo: m.glossy, exponent: m.glossy_exponent }));
-        }
-        Self { albedo: add(&m.diffuse, &m.glossy), lobes }
+        let lobes = scatter_lobes(m);
+        let albedo = lobes.iter().fold(BLACK, |sum, lobe| add(&sum, &lobe.albedo()));
+        Self { albedo, lobes }
     }
 
     /// Reflectance, per band.
@@ -139,39 +86,6 @@ impl Scatter {
     }
 }
 
-/// A delta lobe.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum DeltaLobe {
-    Mirror(Mirror),
-    Interface(Way),
-}
-
-impl DeltaLobe {
-    /// Reflectance or transmittance, per band.
-    pub(crate) fn albedo(&self) -> Bands {
-        match self {
-            Self::Mirror(m) => m.albedo,
-            Self::Interface(w) => w.albedo,
-        }
-    }
-
-    /// Where light leaves; none below the surface.
-    pub(crate) fn sample(&self, f: &Frame, u: [f32; 2]) -> Option<Vec3> {
-        match self {
-            Self::Mirror(m) => m.sample(f, u),
-            Self::Interface(w) => Some(w.direction),
-        }
-    }
-
-    /// By how much radiance scales on the way to the eye [E9].
-    pub(crate) fn radiance_scale(&self) -> f32 {
-        match self {
-            Self::Mirror(_) => 1.0,
-            Self::Interface(w) => w.radiance_scale,
-        }
-    }
-}
-
 /// The BSDF where a ray met a surface.
 #[derive(Debug, Clone)]
 pub(crate) struct Bsdf {
@@ -183,15 +97,7 @@ pub(crate) struct Bsdf {
 impl Bsdf {
     /// Of a material, in a frame.
     pub(crate) fn new(m: &PackedMaterial, frame: Frame) -> Self {
-        let mut delta = ArrayVec::new();
-        if m.flags().is_dielectric() {
-            let [reflection, transmission] = dielectric::ways(m, &frame);
-            delta.push(DeltaLobe::Interface(reflection));
-            delta.push(DeltaLobe::Interface(transmission));
-        } else if m.flags().has_delta() {
-            delta.push(DeltaLobe::Mirror(Mirror { albedo: m.specular, exponent: m.specular_exponent }));
-        }
-        Self { frame, scatter: Scatter::of(m), delta }
+        Self { frame, scatter: Scatter::of(m), delta: delta_lobes(m, &frame) }
     }
 
     /// Where a ray met a surface.
@@ -219,10 +125,7 @@ impl Bsdf {
 
     /// The delta lobe that has a width.
     pub(crate) fn narrow(&self) -> Option<Phong> {
-        self.delta.iter().find_map(|lobe| match lobe {
-            DeltaLobe::Mirror(m) => m.narrow(),
-            DeltaLobe::Interface(_) => None,
-        })
+        self.delta.iter().find_map(DeltaLobe::narrow)
     }
 
     /// f_r of the lobes that scatter, 1/sr, of light from `wi` toward where the ray came from.

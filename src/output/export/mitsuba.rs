@@ -13,7 +13,7 @@ const NEAR: f64 = 1e-6;
 const FAR: f64 = 2.0;
 
 /// The scene file. `meshes` names a file for each shape, in the folder of the scene file.
-pub(super) fn text(scene: &Scene, shapes: &[Shape<'_>], meshes: &[String], lights: &[Light]) -> String {
+pub(super) fn text(scene: &Scene, shapes: &[Shape<'_>], meshes: &[String], emitters: &[String]) -> String {
     let mut out = String::from("<!-- written by joton; right-handed, y up; W/(m² sr), linear RGB -->\n");
     let mut line = |text: String| {
         out += &text;
@@ -32,8 +32,8 @@ pub(super) fn text(scene: &Scene, shapes: &[Shape<'_>], meshes: &[String], light
         }
         line(self::shape(shape, mesh, &id));
     }
-    for light in lights {
-        line(emitter(light));
+    for emitter in emitters {
+        line(emitter.clone());
     }
     line("</scene>".into());
     out
@@ -96,29 +96,28 @@ fn shape(shape: &Shape<'_>, mesh: &str, id: &str) -> String {
     )
 }
 
-fn emitter(light: &Light) -> String {
-    match light {
-        Light::Point { position, intensity } => format!(
-            "<emitter type=\"point\">{}{}</emitter>",
-            triple("point", "position", *position),
-            rgb("intensity", intensity)
-        ),
-        Light::Spot { position, direction, intensity, angle_outer, .. } => {
-            let angle = angle_outer.to_degrees();
-            format!(
-                "<emitter type=\"spot\">{}{}{}{}</emitter>",
-                look_at(*position, *position + *direction, direction.any_orthogonal_vector()),
-                rgb("intensity", intensity),
-                float("cutoff_angle", angle),
-                float("beam_width", angle)
-            )
-        }
-        Light::Sun { direction, irradiance } => format!(
-            "<emitter type=\"directional\">{}{}</emitter>",
-            triple("vector", "direction", *direction),
-            rgb("irradiance", irradiance)
-        ),
+/// A light; none where it has no counterpart.
+pub(super) fn emitter(light: &Light) -> Option<String> {
+    if let Light::Point { position, intensity } = light {
+        let (position, intensity) = (triple("point", "position", *position), rgb("intensity", intensity));
+        return Some(format!("<emitter type=\"point\">{position}{intensity}</emitter>"));
     }
+    if let Light::Spot { position, direction, intensity, angle_outer, .. } = light {
+        let angle = angle_outer.to_degrees();
+        return Some(format!(
+            "<emitter type=\"spot\">{}{}{}{}</emitter>",
+            look_at(*position, *position + *direction, direction.any_orthogonal_vector()),
+            rgb("intensity", intensity),
+            float("cutoff_angle", angle),
+            float("beam_width", angle)
+        ));
+    }
+    if let Light::Sun { direction, irradiance } = light {
+        let direction = triple("vector", "direction", *direction);
+        let irradiance = rgb("irradiance", irradiance);
+        return Some(format!("<emitter type=\"directional\">{direction}{irradiance}</emitter>"));
+    }
+    None
 }
 
 fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> String {

@@ -44,7 +44,13 @@ pub fn write_mitsuba(scene: &Scene, source: &Path, out: &Path) -> Result<Exporte
     let shapes = shapes::shapes(scene, source)?;
     let lights = subset::check_lights(scene, source)?;
     let names: Vec<String> = (0..shapes.len()).map(|i| format!("{stem}.{i}.ply")).collect();
-    let text = mitsuba::text(scene, &shapes, &names, lights);
+    let no_counterpart =
+        |i| unsupported(source, format!("light {i} has no counterpart in other renderers"), "remove it");
+    let emitters = (1..)
+        .zip(lights)
+        .map(|(i, light)| mitsuba::emitter(light).ok_or_else(|| no_counterpart(i)))
+        .collect::<Result<Vec<String>>>()?;
+    let text = mitsuba::text(scene, &shapes, &names, &emitters);
     let mut files: Vec<PathBuf> = names.iter().map(|name| out.with_file_name(name)).collect();
     files.push(out.to_owned());
     output::check_not_read(&files, &scene.files)?;

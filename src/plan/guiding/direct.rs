@@ -2,7 +2,7 @@
 
 use super::BY_FLUX;
 use super::lamp::{Lamp, lamps};
-use crate::optics::lights::light::sample_li;
+use crate::optics::lights::sample_li;
 use crate::optics::ray::visible;
 use crate::packed::{Guide, PackedScene};
 use crate::plan::guiding::visible_points::{VisiblePoint, VisiblePoints};

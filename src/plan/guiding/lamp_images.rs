@@ -5,7 +5,7 @@
 //! changes of the direction in which such a joton sets out, each of which is kept where the joton then passes nearer.
 
 use super::lamp::{Lamp, lamps};
-use crate::optics::lights::light::sample_le_aimed;
+use crate::optics::lights::sample_le_aimed;
 use crate::optics::lights::samples::Start;
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::PackedScene;

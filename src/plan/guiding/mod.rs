@@ -14,8 +14,8 @@ pub(super) use direct::direct;
 pub(super) use lamp_images::lamp_images;
 
 use crate::estimators::maps::MapKind;
-use crate::optics::lights::light::{sample_le, sample_le_aimed};
 use crate::optics::lights::samples::Start;
+use crate::optics::lights::{sample_le, sample_le_aimed};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::{Guide, MAX_WARPS, PackedScene, Warp};
 use crate::plan::guiding::visible_points::{CHAIN, VisiblePoints, step};
