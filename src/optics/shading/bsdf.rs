@@ -6,7 +6,7 @@
 use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::frame::Frame;
 use crate::optics::shading::phong::Phong;
-use crate::optics::shading::{DeltaLobe, MOST, ScatterLobe, delta_lobes, scatter_lobes};
+use crate::optics::shading::{DELTA_MOST, DeltaLobe, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes};
 use crate::packed::PackedMaterial;
 use crate::packed::constants::NARROW_STOPS;
 use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
@@ -18,7 +18,7 @@ use glam::Vec3;
 pub struct Scatter {
     /// Of all of them.
     albedo: Bands,
-    lobes: ArrayVec<ScatterLobe, MOST>,
+    lobes: ArrayVec<ScatterLobe, SCATTER_MOST>,
 }
 
 impl Scatter {
@@ -91,7 +91,7 @@ impl Scatter {
 pub(crate) struct Bsdf {
     frame: Frame,
     pub(crate) scatter: Scatter,
-    pub(crate) delta: ArrayVec<DeltaLobe, MOST>,
+    pub(crate) delta: ArrayVec<DeltaLobe, DELTA_MOST>,
 }
 
 impl Bsdf {
@@ -109,7 +109,7 @@ impl Bsdf {
     pub(crate) fn shares(&self, carried: &Bands) -> Shares {
         let scale = 1.0 / max(carried);
         let share = |albedo: &Bands| max(&mul(albedo, carried)) * scale;
-        let mut delta = [0.0; MOST];
+        let mut delta = [0.0; DELTA_MOST];
         for (share_of, lobe) in delta.iter_mut().zip(&self.delta) {
             *share_of = share(&lobe.albedo());
         }
@@ -172,7 +172,7 @@ pub(crate) struct Shares {
     /// Those that scatter, together.
     pub(crate) scatter: f32,
     /// Each delta lobe; 0 where there is none.
-    pub(crate) delta: [f32; MOST],
+    pub(crate) delta: [f32; DELTA_MOST],
 }
 
 impl Shares {

@@ -20,8 +20,10 @@ use lambert::Lambert;
 use mirror::Mirror;
 use phong::Phong;
 
-/// Most lobes of a material that scatter, and most delta lobes.
-pub(crate) const MOST: usize = 2;
+/// Most lobes of a material that scatter …
+pub(crate) const SCATTER_MOST: usize = 2;
+/// … and most delta lobes.
+pub(crate) const DELTA_MOST: usize = 2;
 
 /// A lobe that scatters.
 #[derive(Debug, Clone, Copy)]
@@ -66,7 +68,7 @@ impl ScatterLobe {
 }
 
 /// Those of a material.
-fn scatter_lobes(m: &PackedMaterial) -> ArrayVec<ScatterLobe, MOST> {
+fn scatter_lobes(m: &PackedMaterial) -> ArrayVec<ScatterLobe, SCATTER_MOST> {
     let mut lobes = ArrayVec::new();
     if m.flags().has_lambert() {
         lobes.push(ScatterLobe::Lambert(Lambert { albedo: m.diffuse }));
@@ -118,7 +120,7 @@ impl DeltaLobe {
 }
 
 /// Those of a material, in a frame.
-fn delta_lobes(m: &PackedMaterial, frame: &Frame) -> ArrayVec<DeltaLobe, MOST> {
+fn delta_lobes(m: &PackedMaterial, frame: &Frame) -> ArrayVec<DeltaLobe, DELTA_MOST> {
     let mut lobes = ArrayVec::new();
     if m.flags().is_dielectric() {
         let [reflection, transmission] = dielectric::ways(m, frame);
