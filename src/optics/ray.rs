@@ -150,7 +150,7 @@ mod tests {
                 }
             }
         }
-        let camera = Camera { position: DVec3::ZERO, target: DVec3::X, up: DVec3::Z, tan_half_fov: [1.0; 2] };
+        let camera = Camera::pinhole(DVec3::ZERO, DVec3::X, DVec3::Z, [1.0; 2]);
         PackedScene::whole(&Scene {
             camera,
             size: [1; 2],

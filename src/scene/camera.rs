@@ -22,6 +22,11 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A pinhole at `position` that looks at `target`.
+    pub fn pinhole(position: DVec3, target: DVec3, up: DVec3, tan_half_fov: [f64; 2]) -> Self {
+        Self { position, target, up, tan_half_fov }
+    }
+
     /// Unit vectors right, up, forward in the world.
     pub fn basis(&self) -> [DVec3; 3] {
         let forward = (self.target - self.position).normalize();
@@ -86,6 +91,6 @@ impl CameraEntry {
         } else {
             [tangent * width / height, tangent]
         };
-        Camera { position: self.position, target: self.target, up: self.up, tan_half_fov }
+        Camera::pinhole(self.position, self.target, self.up, tan_half_fov)
     }
 }

@@ -56,11 +56,9 @@ pub(crate) fn frame(mesh: &Mesh, materials: &[Material], lights: &[Light], size:
         return camera;
     }
     let middle = (low + high) / 2.0;
-    let inside = SIDES.map(|side| Camera {
-        position: middle + side * (high - low) / 2.0 * INSIDE_SHARE,
-        target: middle,
-        up: DVec3::Y,
-        tan_half_fov: field_of_view(INSIDE_FOV, size),
+    let inside = SIDES.map(|side| {
+        let position = middle + side * (high - low) / 2.0 * INSIDE_SHARE;
+        Camera::pinhole(position, middle, DVec3::Y, field_of_view(INSIDE_FOV, size))
     });
     let flat = inside.iter().any(|c| (c.target - c.position).length() < 1e-6 * (high - low).length());
     if flat { outside[0] } else { first_good(&probe, &inside).unwrap_or(outside[0]) }
@@ -101,7 +99,7 @@ fn field_of_view(degrees: f64, size: [u32; 2]) -> [f64; 2] {
 /// A camera towards which `side` points, as near as the bounding box allows.
 fn look_from_outside(low: DVec3, high: DVec3, side: DVec3, tan_half_fov: [f64; 2]) -> Camera {
     let target = (low + high) / 2.0;
-    let unit = Camera { position: target + side, target, up: DVec3::Y, tan_half_fov };
+    let unit = Camera::pinhole(target + side, target, DVec3::Y, tan_half_fov);
     let [right, up, forward] = unit.basis();
     let mut distance: f64 = 0.0;
     for corner in 0..8 {

@@ -18,7 +18,7 @@ impl Build {
         let along = (target - position).normalize();
         let up = if along.z.abs() > 0.9 { DVec3::Y } else { DVec3::Z };
         Self(Scene {
-            camera: Camera { position, target, up, tan_half_fov: [tan_half_fov; 2] },
+            camera: Camera::pinhole(position, target, up, [tan_half_fov; 2]),
             size: [size; 2],
             mesh: Mesh::default(),
             materials: Vec::new(),

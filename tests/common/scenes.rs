@@ -15,12 +15,7 @@ impl Builder {
     pub fn new(position: [f64; 3], target: [f64; 3], up: [f64; 3], tan_half_fov: f64, size: u32) -> Self {
         Self {
             scene: Scene {
-                camera: Camera {
-                    position: position.into(),
-                    target: target.into(),
-                    up: up.into(),
-                    tan_half_fov: [tan_half_fov; 2],
-                },
+                camera: Camera::pinhole(position.into(), target.into(), up.into(), [tan_half_fov; 2]),
                 size: [size; 2],
                 mesh: Mesh::default(),
                 materials: Vec::new(),
