@@ -1,4 +1,5 @@
 // Cones: rays into them that keep their digits where they arrive, however narrow the cone and far away its apex.
+// Twin: src/optics/lights/cone.rs.
 // import: sampling/sampling.wgsl
 
 // The axis about which directions are drawn.

@@ -1,6 +1,7 @@
 // Emission: where joton `number` starts, which way, and with what flux.
 // Φ = flux of the emitter / (pick N) by the emitter's own law [E2]; aimed: Le cosθ A / (pick N pdf_solid_angle) [E13]. Each
 // map has its emitters, with pick probabilities, and some a warp, that were learned [E20].
+// Twin: src/optics/lights/pick.rs.
 // import: dispatch/index.wgsl
 // import: sampling/rng.wgsl
 // import: lights/pick.wgsl

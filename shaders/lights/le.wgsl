@@ -1,4 +1,4 @@
-// Le: radiance that a ray finds by itself.
+// Le: emitted radiance along a ray, of the surface that it meets or where it leaves the scene.
 // import: shading/bsdf.wgsl
 
 // What the surface that it meets sends back along it: lights shine from their front.

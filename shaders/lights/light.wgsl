@@ -1,5 +1,5 @@
-// Lights: the kinds, and what each is asked for. A new kind is a file and a line in each of these functions. Twin:
-// src/optics/lights/mod.rs. Jotons that are aimed, and the sun's: emit.wgsl.
+// Lights: the kinds, and what each is asked for. A new kind is a file and a line in each of these functions; what none of them
+// names is a point or a spot. Aimed jotons: emit.wgsl and sun_aimed.wgsl. Twin: src/optics/lights/mod.rs.
 // import: lights/triangle.wgsl
 // import: lights/point.wgsl
 // import: lights/sun.wgsl
@@ -37,7 +37,7 @@ fn le_along(e: PackedEmitter, beam: Beam, ray: ConeRay, weight: f32) -> Start {
     return point_along(e, beam, ray, weight);
 }
 
-// A place on an emitter, seen from p.
+// A place on an emitter, seen from p, with the probability of the pick. (On the host pick.rs multiplies by it.)
 fn sample_li(e: PackedEmitter, p: vec3<f32>, u: vec2<f32>) -> LightSample {
     if is_triangle(e.kind) {
         return triangle_li(e, p, u);
@@ -48,7 +48,7 @@ fn sample_li(e: PackedEmitter, p: vec3<f32>, u: vec2<f32>) -> LightSample {
     return point_li(e, p);
 }
 
-// pdf_solid_angle with which sample_li, after the pick, finds the front of an emissive triangle at this distance; no ray meets the others.
+// pdf_solid_angle, with the pick, by which sample_li finds the front of an emissive triangle at this distance; no ray meets the others.
 fn pdf_li(e: PackedEmitter, distance: f32, cos_light: f32) -> f32 {
     return triangle_pdf_li(e, distance, cos_light);
 }

@@ -1,4 +1,5 @@
 // Picking one of the emitters, by the probabilities of the list that the kernel sees.
+// Twin: src/optics/lights/pick.rs.
 // import: scene/scene.wgsl
 // reads  scene
 

@@ -10,7 +10,7 @@ fn sun_by_law(e: PackedEmitter, v: vec2<f32>, share: f32) -> Start {
     return Start(e.origin + frame[0] * d.x + frame[1] * d.y, e.e1, e.flux * share);
 }
 
-// The same from everywhere.
+// Light sample; it does not depend on the place.
 fn sun_li(e: PackedEmitter) -> LightSample {
     return LightSample(-e.e1, 1e30, vec3(0.0), e.strength / e.pick, 0.0);
 }

@@ -9,7 +9,6 @@
 // import: sampling/rng.wgsl
 // import: scene/scene.wgsl
 // import: accel/intersect.wgsl
-// import: shading/surface.wgsl
 // import: shading/material.wgsl
 // import: shading/lobes.wgsl
 // import: lights/pick.wgsl

@@ -1,8 +1,5 @@
 // What a gather point says in one word: material, specular events on the way from the eye, side.
 
-const CHAIN_MAX: u32 = 63u;
-const CHAIN_SHIFT: u32 = 24u;
-
 fn gather_surface(material: u32, chain: u32, from_front: bool) -> u32 {
     return material | (min(chain, CHAIN_MAX) << CHAIN_SHIFT) | select(BACK_SIDE, 0u, from_front);
 }

@@ -10,7 +10,7 @@
 @group(0) @binding(15) var<storage, read> heap_6: array<vec4<u32>>;
 @group(0) @binding(16) var<storage, read> heap_7: array<vec4<u32>>;
 
-// The exponent.
+// Binary logarithm of the words in a part.
 override HEAP_PART: u32 = 23u;
 
 fn heap_word(at: u32) -> vec4<u32> {
@@ -23,6 +23,7 @@ fn heap_word(at: u32) -> vec4<u32> {
         case 4u: { return heap_4[i]; }
         case 5u: { return heap_5[i]; }
         case 6u: { return heap_6[i]; }
-        default: { return heap_7[i]; }
+        // the last part has all the rest
+        default: { return heap_7[at - (7u << HEAP_PART)]; }
     }
 }

@@ -1,4 +1,4 @@
-// The BSDF at a hit: its lobes, as light that arrives along a ray finds them. All that follow light ask here. Twin: src/optics/shading/bsdf.rs.
+// The BSDF at a hit: kernels that follow rays ask it. Gather points ask lobes.wgsl. Twin: src/optics/shading/bsdf.rs.
 // import: shading/surface.wgsl
 // import: shading/material.wgsl
 // import: shading/lobes.wgsl

@@ -24,6 +24,10 @@ fn refract_direction(d: vec3<f32>, n: vec3<f32>, eta_it: f32) -> vec3<f32> {
     return normalize(eta_it * d + (eta_it * cos_i - sqrt(k)) * n);
 }
 
+fn is_dielectric(m: PackedMaterial) -> bool {
+    return HAS_DIELECTRIC && (m.flag_bits & DIELECTRIC) != 0u;
+}
+
 // A pane without thickness: both faces of a dielectric in one place [E26].
 fn is_thin(m: PackedMaterial) -> bool {
     return (m.flag_bits & THIN) != 0u;
@@ -35,7 +39,7 @@ fn relative_index(m: PackedMaterial, from_front: bool) -> f32 {
 }
 
 fn dielectric_reflectance(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: bool) -> f32 {
-    if !HAS_DIELECTRIC || (m.flag_bits & DIELECTRIC) == 0u {
+    if !is_dielectric(m) {
         return 0.0;
     }
     let face = fresnel(min(1.0, -dot(direction, n)), select(1.0 / relative_index(m, from_front), m.ior, is_thin(m)));

@@ -1,6 +1,7 @@
 // Lobes: the list of what a surface can do with light. Who follows light knows a lobe by its number, and whether it is delta: light
 // leaves by it in one direction, or so nearly that it is followed (event S); by the others it scatters (event D). A new
 // lobe is a file of its own and a line in each of the functions below.
+// Twin: src/optics/shading/mod.rs.
 // import: shading/lambert.wgsl
 // import: shading/phong.wgsl
 // import: shading/mirror.wgsl
@@ -16,10 +17,6 @@ const LOBE_TRANSMISSION: u32 = 5u;
 
 fn is_delta(lobe: u32) -> bool {
     return lobe >= LOBE_MIRROR;
-}
-
-fn is_dielectric(m: PackedMaterial) -> bool {
-    return HAS_DIELECTRIC && (m.flag_bits & DIELECTRIC) != 0u;
 }
 
 // True where some lobe scatters: a gather point, a place for jotons.

@@ -34,7 +34,7 @@ macro_rules! shared_constants {
 }
 
 shared_constants! {
-    /// [`GatherPoint::glint_level`] of pixels that have a tree in some passes only; 0 where they have none.
+    /// A gather point's `glint_level` of pixels that have a tree in some passes only; 0 where they have none.
     pub const GLINT_TURNS: u32 = 1;
     /// Trees a pass of a pixel of the level above that; each further one has twice as many.
     pub const GLINT_TREES: u32 = 2;
@@ -46,9 +46,13 @@ shared_constants! {
     pub const SPLIT_MIN: f32 = 1.0 / 64.0;
     /// Ways of a tree that wait for others, at most: each is at least twice as much as all that is followed before it.
     pub const WAITING_MAX: u32 = 7;
-    /// Bits of [`GatherPoint::surface`] that hold the index of the material.
+    /// Bits of a gather point's `surface` that hold the index of the material …
     pub const MATERIAL_MASK: u32 = (1 << 24) - 1;
-    /// Bit of [`GatherPoint::surface`].
+    /// … specular events from the eye, from this bit on, saturated at this number …
+    pub const CHAIN_SHIFT: u32 = 24;
+    /// See [`CHAIN_SHIFT`].
+    pub const CHAIN_MAX: u32 = 63;
+    /// … and whether the back of the triangle is seen.
     pub const BACK_SIDE: u32 = 1 << 30;
     /// Words of 16 bytes of each section of a scene in uniform buffers: 64 KiB, WebGPU's least limit.
     pub const SMALL_WORDS: u32 = 4096;

@@ -38,7 +38,7 @@ gpu_struct! {
         pub glint_first: u32,
         /// Trees of the dispatch.
         pub glint_count: u32,
-        /// Passes of which one has a tree, in pixels of level [`GLINT_TURNS`].
+        /// Passes of which one has a tree, in pixels of level `GLINT_TURNS`.
         pub glint_turns: u32,
         /// Padding.
         pub pad0: u32,
@@ -102,7 +102,7 @@ gpu_struct! {
         /// Position, lifted off the surface toward the eye \[E27\]: where rays from it start.
         pub position: Vec3,
         /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, and
-        /// [`BACK_SIDE`] where the back of the triangle is seen.
+        /// `BACK_SIDE` where the back of the triangle is seen.
         pub surface: u32,
         /// What the path carries, per band, without the BRDF; zero where there is no gather point.
         pub throughput: Bands,

@@ -1,4 +1,4 @@
-//! All that Rust declares for the kernels, as WGSL: structs, the functions that read them from the scene heap, constants.
+//! All that Rust declares for the kernels, as WGSL: structs and constants.
 
 use crate::packed::constants::*;
 use crate::packed::gpu_struct::{ALIASES, GpuStruct};

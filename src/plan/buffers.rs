@@ -263,22 +263,21 @@ pub fn fit(
     }
 }
 
-/// Lists of emitters, which differ in their probabilities: by flux, and as was learned for shadow rays and for each map.
-pub const EMITTER_LISTS: [&str; 4] = ["flux", "direct", "caustic", "diffuse"];
-/// The uniforms that say where the heap has what a kernel reads, in the order of [`EMITTER_LISTS`] …
+/// The uniforms that say where the heap has what a kernel reads. They differ in the list of emitters, which differ in their
+/// probabilities: by flux, and as was learned for shadow rays, the caustic map and the diffuse map.
 pub const SCENE_INFOS: [&str; 4] =
     ["scene_info", "scene_info_direct", "scene_info_caustic", "scene_info_diffuse"];
-/// … and the lists themselves where they are small.
+/// The lists themselves where they are small.
 pub const SMALL_EMITTER_LISTS: [&str; 4] =
     ["emitters", "emitters_direct", "emitters_caustic", "emitters_diffuse"];
 
-/// Which lists of emitters are lists of their own, in the order of [`EMITTER_LISTS`].
+/// True for each list of emitters that differs from the first.
 fn lists(plan: &Plan) -> [bool; 4] {
     let guides = &plan.guides;
     [true, !guides.direct.is_empty(), !guides.caustic.is_empty(), !guides.diffuse.is_empty()]
 }
 
-/// Where in the heap the list of emitters lies that is meant by each of [`EMITTER_LISTS`].
+/// Number, in the heap, of the list that each of [`SCENE_INFOS`] points to.
 pub fn list_numbers(plan: &Plan) -> [usize; 4] {
     let lists = lists(plan);
     std::array::from_fn(|i| if lists[i] { lists[..i].iter().filter(|own| **own).count() } else { 0 })

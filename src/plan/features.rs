@@ -51,7 +51,7 @@ impl Features {
         }
     }
 
-    /// The override of the kernels that each is, and its value.
+    /// Name and value of each feature's override.
     pub fn named(&self) -> [(&'static str, bool); 7] {
         [
             ("HAS_SMOOTH", self.smooth_normals),

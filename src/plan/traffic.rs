@@ -196,7 +196,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
                 found.place = Some(Place {
                     position: s.position,
                     footprint: length * scene.pixel_angle(),
-                    is_glossy: s.flags().has_glossy(),
+                    is_glossy: probabilities.bsdf.scatter.varies(),
                     is_cut: event > 0 || plan.traces(Layer::Diffuse) && is_cut(scene, &s, radius),
                 });
                 found.shadow = shadow(scene, plan, &s, [u0, u1, u_lobe]);
@@ -224,8 +224,9 @@ fn shadow(scene: &PackedScene, plan: &Plan, s: &SurfaceInteraction, [u, v, w]: [
         found.steps += steps(scene, &s.leave(light.wi), (light.target - s.position).length(), true);
     }
     // every sample shares its weight with one of the lobes where either is much better
-    if (s.flags().has_glossy() || lights.len() > NEAR_EMITTERS_MAX as usize)
-        && let Some(wi) = Bsdf::at(s).sample_scatter(w, [u, v])
+    let bsdf = Bsdf::at(s);
+    if (bsdf.scatter.varies() || lights.len() > NEAR_EMITTERS_MAX as usize)
+        && let Some(wi) = bsdf.sample_scatter(w, [u, v])
     {
         found.rays += 1.0;
         found.steps += steps(scene, &s.leave(wi), f32::INFINITY, false);

@@ -129,8 +129,6 @@ fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result
     obj::read(&entry.file, warnings)
 }
 
-/// Turns the entry into a camera for an image of `size` pixels.
-/// A mesh file whose materials are looked up.
 struct Opened {
     file: ObjFile,
     /// Where its materials begin.

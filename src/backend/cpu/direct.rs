@@ -122,7 +122,7 @@ fn by_bsdf(
     let scattered = scale(&g.bsdf.eval_scatter(wi), wi.dot(g.ns));
     let pdf = g.bsdf.pdf_scatter(wi);
     let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
-        return scale(&mul(&scattered, &on_miss(wi)), 1.0 / pdf);
+        return scale(&mul(&scattered, &on_miss(wi)), 1.0 / pdf.max(f32::MIN_POSITIVE));
     };
     let Some(le) = le(&s) else { return BLACK };
     // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)

@@ -231,9 +231,9 @@ impl Kernel {
 }
 
 /// Names of the buffers of a kernel that is run on nothing: as many as a kernel can bind.
-const NOTHING: [&str; 20] = [
+const NOTHING: [&str; 24] = [
     "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18",
-    "19",
+    "19", "20", "21", "22", "23",
 ];
 /// Bytes of each: room for an element.
 const NOTHING_BYTES: u64 = 4096;

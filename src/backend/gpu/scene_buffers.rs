@@ -58,7 +58,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         }
         buffers.insert(name, buffer);
     }
-    // a list that is not there is the first
+    // kernels without a list of their own use the first
     for names in [SCENE_INFOS, SMALL_EMITTER_LISTS] {
         if let Some(first) = buffers.get(names[0]).cloned() {
             for name in names {
@@ -105,8 +105,9 @@ impl HeapWriter<'_> {
         let mut at = u64::from(first) * HEAP_WORD;
         let parts = HEAP.iter().filter_map(|name| self.buffers.get(name)).collect::<Vec<_>>();
         while !rest.is_empty() {
-            let (number, from) = if parts.len() > 1 { (at / self.part, at % self.part) } else { (0, at) };
-            let part = parts[(number as usize).min(parts.len() - 1)];
+            // the last part has all the rest
+            let number = (at / self.part).min(parts.len() as u64 - 1);
+            let (part, from) = (parts[number as usize], at - number * self.part);
             let here = (part.size() - from).min(rest.len() as u64);
             self.context.queue.write_buffer(part, from, &rest[..here as usize]);
             rest = &rest[here as usize..];

@@ -57,10 +57,10 @@ pub(crate) fn sample_le_aimed(
     }
     let (ray, pdf_solid_angle) = into_targets(targets, &beam, towards)?;
     let weight = share / pdf_solid_angle;
-    let start = if is_triangle {
-        triangle::along(e, &beam, ray.direction, weight)
-    } else {
-        point::along(e, shape(e), &beam, ray, weight)
+    let start = match e.kind() {
+        EmitterKind::Triangle => triangle::along(e, &beam, ray.direction, weight),
+        EmitterKind::Point | EmitterKind::Spot => point::along(e, shape(e), &beam, ray, weight),
+        EmitterKind::Sun => return None,
     };
     (start.flux != BLACK).then_some(start)
 }
@@ -76,7 +76,10 @@ pub(crate) fn sample_li(e: &PackedEmitter, position: Vec3, u: [f32; 2]) -> Optio
 
 /// pdf_solid_angle with which [`sample_li`] finds the emitter where a ray met it; no ray meets lights without area.
 pub(crate) fn pdf_li(e: &PackedEmitter, s: &SurfaceInteraction) -> f32 {
-    triangle::pdf_li(e, s)
+    match e.kind() {
+        EmitterKind::Triangle => triangle::pdf_li(e, s),
+        EmitterKind::Point | EmitterKind::Spot | EmitterKind::Sun => 0.0,
+    }
 }
 
 /// Radiance that a surface sends back along the ray that met it; none but from the front of a light.

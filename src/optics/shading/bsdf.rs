@@ -13,6 +13,9 @@ use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
+/// Throughput below this counts as none: one over it is still finite.
+const LEAST_CARRIED: f32 = 1e-37;
+
 /// The lobes of a material that scatter. Directions are unit vectors that leave the surface.
 #[derive(Debug, Clone)]
 pub struct Scatter {
@@ -107,7 +110,8 @@ impl Bsdf {
 
     /// Part of the flux that takes each lobe, as max over bands of (albedo × carried) over that of carried.
     pub(crate) fn shares(&self, carried: &Bands) -> Shares {
-        let scale = 1.0 / max(carried);
+        // where nothing is carried the shares are 0
+        let scale = 1.0 / max(carried).max(LEAST_CARRIED);
         let share = |albedo: &Bands| max(&mul(albedo, carried)) * scale;
         let mut delta = [0.0; DELTA_MOST];
         for (share_of, lobe) in delta.iter_mut().zip(&self.delta) {
@@ -119,8 +123,11 @@ impl Bsdf {
     /// The share with which an eye path stops here: lights without area, where there are any, are seen in a narrow lobe only from a path
     /// that stops.
     pub(crate) fn stop_share(&self, shares: &Shares, has_delta_lights: bool) -> f32 {
-        let looks = has_delta_lights && self.narrow().is_some();
-        if looks { shares.scatter.max(NARROW_STOPS * shares.delta[0]) } else { shares.scatter }
+        let narrow = self.delta.iter().position(|lobe| lobe.narrow().is_some());
+        match narrow.filter(|_| has_delta_lights) {
+            Some(lobe) => shares.scatter.max(NARROW_STOPS * shares.delta[lobe]),
+            None => shares.scatter,
+        }
     }
 
     /// The delta lobe that has a width.

@@ -1,4 +1,4 @@
-//! Roulette: which event a joton has at a surface, and where it goes [E3]. What follows jotons on the host asks here.
+//! Roulette: which event light has at a surface, and where it goes [E3]. What follows light on the host asks here.
 
 use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::bsdf::Bsdf;
@@ -11,7 +11,7 @@ pub(crate) const SCATTERED: usize = 0;
 /// Ways of a surface, at most.
 const WAYS: usize = 3;
 
-/// What a surface does with a joton.
+/// What a surface does with what arrives.
 pub(crate) struct EventProbabilities {
     pub(crate) bsdf: Bsdf,
     /// Of each way.
