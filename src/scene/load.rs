@@ -129,6 +129,7 @@ fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result
     obj::read(&entry.file, warnings)
 }
 
+/// A mesh file whose materials are looked up.
 struct Opened {
     file: ObjFile,
     /// Where its materials begin.

@@ -207,6 +207,20 @@ mod tests {
     use crate::scene::Material;
     use std::f32::consts::TAU;
 
+    /// A path that carries nothing, or less than f32 can be divided by, ends: its shares are finite, and none where it is black.
+    #[test]
+    fn nothing_is_shared_out_where_nothing_is_carried() {
+        let frame = Frame { back: Vec3::Z, ng: Vec3::Z, ns: Vec3::Z, front: true };
+        let matte = PackedMaterial::new(&Material::matte("m", [0.3; 3]));
+        for m in [matte, glossy(30.0)] {
+            let bsdf = Bsdf::new(&m, frame);
+            assert_eq!(bsdf.shares(&BLACK).kept(), 0.0);
+            // 1/1e-40 is no f32
+            let faint = bsdf.shares(&[1e-40; 3]).kept();
+            assert!((0.0..=1.0).contains(&faint), "{faint}");
+        }
+    }
+
     fn glossy(exponent: f32) -> PackedMaterial {
         PackedMaterial::new(&Material {
             glossy: [0.5; 3],
