@@ -3,8 +3,10 @@
 
 use crate::packed::accel::Node;
 use crate::packed::gpu_struct::{GpuStruct, gpu_struct};
-use crate::packed::{PackedEmitter, PackedMaterial, PackedTriangle};
+use crate::packed::{PackedEmitter, PackedMaterial, PackedScene, PackedTriangle};
 use crate::spectrum::BANDS;
+use glam::{Vec2, Vec3};
+use std::borrow::Cow;
 
 /// Bytes of a word of the heap.
 pub const HEAP_WORD: u64 = 16;
@@ -51,6 +53,20 @@ pub struct HeapCounts {
     pub lists: usize,
 }
 
+impl HeapCounts {
+    /// Of a scene with so many lists of emitters.
+    pub fn of(scene: &PackedScene, lists: usize) -> Self {
+        Self {
+            nodes: scene.bvh.node_count(),
+            triangles: scene.triangles.len(),
+            normals: scene.shading_normals.len(),
+            materials: scene.materials.len(),
+            emitters: scene.emitters.len(),
+            lists,
+        }
+    }
+}
+
 /// Where everything lies.
 #[derive(Debug, Clone)]
 pub struct HeapLayout {
@@ -90,10 +106,50 @@ impl HeapLayout {
         SceneInfo { emitters: self.first.emitters + number as u32 * self.list as u32, ..self.first }
     }
 
+    /// Every section of a scene, or a part of one: its first word and its bytes. `lists` are the lists of emitters in their order.
+    pub fn sections<'a>(
+        &self,
+        scene: &'a PackedScene,
+        lists: Vec<&'a [PackedEmitter]>,
+    ) -> impl Iterator<Item = (u32, Cow<'a, [u8]>)> {
+        /// Triangles whose normals are encoded together.
+        const AT_ONCE: usize = 1 << 16;
+        let SceneInfo { nodes, triangles, normals, materials, .. } = self.first;
+        let emitters = (0..lists.len()).map(|i| self.info(i).emitters).collect::<Vec<u32>>();
+        let plain = [
+            (nodes, Cow::Owned(bytemuck::pod_collect_to_vec(&scene.bvh.nodes()))),
+            (triangles, Cow::Borrowed(bytemuck::cast_slice(&scene.triangles))),
+            (materials, Cow::Borrowed(bytemuck::cast_slice(&scene.materials))),
+        ];
+        let lists =
+            emitters.into_iter().zip(lists.into_iter().map(|l| Cow::Borrowed(bytemuck::cast_slice(l))));
+        let normals = scene.shading_normals.chunks(AT_ONCE).enumerate().map(move |(i, some)| {
+            let packed: Vec<PackedNormals> = some.iter().map(|n| pack_normals(*n)).collect();
+            (normals + (i * AT_ONCE) as u32, Cow::Owned(bytemuck::pod_collect_to_vec(&packed)))
+        });
+        plain.into_iter().chain(lists).chain(normals)
+    }
+
     /// Bytes of the heap.
     pub fn bytes(&self) -> u64 {
         self.words * HEAP_WORD
     }
+}
+
+/// A unit vector in 32 bits, as shaders/sampling/sampling.wgsl encodes it.
+pub fn encode_direction(n: Vec3) -> u32 {
+    let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
+    let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+    let e =
+        if n.z < 0.0 { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) } else { p };
+    let snorm = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32_767.0).round() as i16 as u16);
+    snorm(e.x) | snorm(e.y) << 16
+}
+
+/// Shading normals of a triangle's corners as the kernels read them.
+pub fn pack_normals(normals: [Vec3; 3]) -> PackedNormals {
+    let [a, b, c] = normals.map(encode_direction);
+    [a, b, c, 0]
 }
 
 /// WGSL functions that read a record of the scene: `triangle_at(index)`, `material_at(index)`, `emitter_at(index)`. They ask

@@ -285,14 +285,8 @@ pub fn list_numbers(plan: &Plan) -> [usize; 4] {
 
 /// Where the scene lies in the heap.
 pub fn heap_layout(scene: &PackedScene, plan: &Plan) -> HeapLayout {
-    HeapLayout::new(&HeapCounts {
-        nodes: scene.bvh.node_count(),
-        triangles: scene.triangles.len(),
-        normals: scene.shading_normals.len(),
-        materials: scene.materials.len(),
-        emitters: scene.emitters.len(),
-        lists: lists(plan).into_iter().filter(|own| *own).count(),
-    })
+    let lists = lists(plan).into_iter().filter(|own| *own).count();
+    HeapLayout::new(&HeapCounts::of(scene, lists))
 }
 
 /// The scene, and the uniforms that never change.

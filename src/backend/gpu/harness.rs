@@ -23,7 +23,8 @@ use crate::plan::map_layout::MapLayout;
 use bytemuck::Pod;
 use std::collections::HashMap;
 
-pub use scene_buffers::{encode as encode_direction, is_small, pack_normals};
+pub use crate::packed::heap::{encode_direction, pack_normals};
+pub use scene_buffers::is_small;
 
 /// How much of a kernel is run.
 #[derive(Debug, Clone, Copy)]

@@ -6,14 +6,13 @@ use crate::error::{Error, Result};
 use crate::film::paths::LightPaths;
 use crate::packed::layout::{AreaPoint, PathFilter};
 use crate::packed::{
-    Guide, HEAP_WORD, MAX_TARGETS, MAX_WARPS, PackedNormals, PackedScene, Target, VISIBLE_CELL_WORDS,
-    WARP_WORDS,
+    Guide, HEAP_WORD, MAX_TARGETS, MAX_WARPS, PackedScene, Target, VISIBLE_CELL_WORDS, WARP_WORDS,
 };
 use crate::plan::Plan;
 use crate::plan::buffers::{
     Buffer, HEAP, SCENE_INFOS, SMALL_EMITTER_LISTS, heap_layout, heap_part_bytes, list_numbers,
 };
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Upload a scene.
 ///
@@ -27,7 +26,8 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     let visible_cells = plan.visible_cells.as_ref().map_or(&[0; VISIBLE_CELL_WORDS][..], |m| m.words());
     let filter = path_filter(&plan.settings.paths);
     let layout = heap_layout(scene, plan);
-    let infos = list_numbers(plan).map(|list| layout.info(list));
+    let numbers = list_numbers(plan);
+    let infos = numbers.map(|list| layout.info(list));
     let nodes = scene.bvh.nodes();
     let emitters = [
         &scene.emitters[..],
@@ -67,27 +67,12 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         }
     }
     let mut heap = HeapWriter { context, buffers: &buffers, part: heap_part_bytes(&context.machine()) };
-    heap.write(infos[0].nodes, &nodes);
-    heap.write(infos[0].triangles, &scene.triangles);
-    heap.write(infos[0].materials, &scene.materials);
-    for (info, list) in infos.iter().zip(emitters) {
-        heap.write(info.emitters, list);
-    }
-    for (i, normals) in scene.shading_normals.chunks(NORMALS_AT_ONCE).enumerate() {
-        let packed: Vec<PackedNormals> = normals.iter().map(|n| pack_normals(*n)).collect();
-        heap.write(infos[0].normals + (i * NORMALS_AT_ONCE) as u32, &packed);
+    let lists = (0..emitters.len()).filter(|&i| i == 0 || numbers[i] > 0).map(|i| emitters[i]);
+    for (first, section) in layout.sections(scene, lists.collect()) {
+        heap.write(first, &section);
     }
     context.check()?;
     Ok(buffers)
-}
-
-/// Shading normals that are encoded together.
-const NORMALS_AT_ONCE: usize = 1 << 16;
-
-/// Shading normals of a triangle's corners as the kernels read them.
-pub fn pack_normals(normals: [Vec3; 3]) -> PackedNormals {
-    let [a, b, c] = normals.map(encode);
-    [a, b, c, 0]
 }
 
 /// Writes sections of the heap, whether it lies in one buffer or in several.
@@ -100,8 +85,8 @@ struct HeapWriter<'a> {
 
 impl HeapWriter<'_> {
     /// Write a section from word `first` on.
-    fn write<T: bytemuck::Pod>(&mut self, first: u32, section: &[T]) {
-        let mut rest: &[u8] = bytemuck::cast_slice(section);
+    fn write(&mut self, first: u32, section: &[u8]) {
+        let mut rest = section;
         let mut at = u64::from(first) * HEAP_WORD;
         let parts = HEAP.iter().filter_map(|name| self.buffers.get(name)).collect::<Vec<_>>();
         while !rest.is_empty() {
@@ -143,16 +128,6 @@ pub(super) fn check_capacity(context: &Context, buffers: &[Buffer]) -> Result<()
         }
     }
     Ok(())
-}
-
-/// A unit vector in 32 bits, as shaders/sampling/sampling.wgsl encodes it.
-pub fn encode(n: Vec3) -> u32 {
-    let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
-    let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
-    let e =
-        if n.z < 0.0 { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) } else { p };
-    let snorm = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32_767.0).round() as i16 as u16);
-    snorm(e.x) | snorm(e.y) << 16
 }
 
 /// An area point as the kernels read it; its normal in signed 8 bits a component.
