@@ -1,4 +1,5 @@
 // The material at a place. Today it is constant over a surface; what varies over one is looked up here.
+// Twin: src/optics/shading/material.rs.
 // import: scene/scene.wgsl
 // reads  scene
 

@@ -5,6 +5,7 @@
 
 use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::frame::Frame;
+use crate::optics::shading::material::resolved;
 use crate::optics::shading::phong::Phong;
 use crate::optics::shading::{DELTA_MOST, DeltaLobe, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes};
 use crate::packed::PackedMaterial;
@@ -105,7 +106,7 @@ impl Bsdf {
 
     /// Where a ray met a surface.
     pub(crate) fn at(s: &SurfaceInteraction) -> Self {
-        Self::new(s.material, s.frame())
+        Self::new(resolved(s), s.frame())
     }
 
     /// Part of the flux that takes each lobe, as max over bands of (albedo × carried) over that of carried.

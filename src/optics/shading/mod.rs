@@ -6,6 +6,7 @@ pub mod bsdf;
 mod dielectric;
 pub(crate) mod frame;
 mod lambert;
+mod material;
 mod mirror;
 pub mod phong;
 pub(crate) mod roulette;
