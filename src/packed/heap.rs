@@ -53,7 +53,23 @@ pub struct HeapCounts {
     pub lists: usize,
 }
 
+/// Sections in their order, and the bytes of an entry.
+pub const SECTIONS: [(&str, usize); 5] = [
+    ("nodes", size_of::<Node>()),
+    ("triangles", size_of::<PackedTriangle>()),
+    ("normals", size_of::<PackedNormals>()),
+    ("materials", size_of::<PackedMaterial>()),
+    ("emitters", size_of::<PackedEmitter>()),
+];
+
 impl HeapCounts {
+    /// Of sections that are so many bytes long, by name.
+    pub fn of_bytes(bytes: impl Fn(&str) -> usize) -> Self {
+        let [nodes, triangles, normals, materials, emitters] =
+            SECTIONS.map(|(name, each)| bytes(name) / each);
+        Self { nodes, triangles, normals, materials, emitters, lists: 1 }
+    }
+
     /// Of a scene with so many lists of emitters.
     pub fn of(scene: &PackedScene, lists: usize) -> Self {
         Self {

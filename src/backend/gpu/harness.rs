@@ -12,11 +12,9 @@ use super::tiles::{BINDING_BYTES, TILES_PER_DISPATCH, Tiles};
 use crate::error::Result;
 use crate::estimators::maps::MapKind;
 use crate::film::tile_schedule::TileSchedule;
-use crate::packed::accel::Node;
+use crate::packed::PackedScene;
+use crate::packed::heap::{HeapCounts, HeapLayout, SECTIONS};
 use crate::packed::layout::MapInfo;
-use crate::packed::{
-    HeapCounts, HeapLayout, PackedEmitter, PackedMaterial, PackedNormals, PackedScene, PackedTriangle,
-};
 use crate::plan::Plan;
 use crate::plan::buffers::{Buffer, RING_BYTES, area_points_most, area_points_wanted, map_buffers};
 use crate::plan::map_layout::MapLayout;
@@ -86,16 +84,9 @@ impl<'a> Harness<'a> {
     /// Create (or replace) a section of the scene heap: nodes, triangles, normals, materials or emitters.
     pub fn scene<T: Pod>(&mut self, section: &'static str, content: &[T]) {
         self.heap.insert(section, bytemuck::cast_slice(content).to_vec());
-        let bytes_of = |name| self.heap.get(name).map_or(&[][..], |bytes: &Vec<u8>| &bytes[..]);
-        let counts = HeapCounts {
-            nodes: bytes_of("nodes").len() / size_of::<Node>(),
-            triangles: bytes_of("triangles").len() / size_of::<PackedTriangle>(),
-            normals: bytes_of("normals").len() / size_of::<PackedNormals>(),
-            materials: bytes_of("materials").len() / size_of::<PackedMaterial>(),
-            emitters: bytes_of("emitters").len() / size_of::<PackedEmitter>(),
-            lists: 1,
-        };
-        let heap = ["nodes", "triangles", "normals", "materials", "emitters"].map(bytes_of).concat();
+        let bytes_of = |name: &str| self.heap.get(name).map_or(&[][..], |bytes: &Vec<u8>| &bytes[..]);
+        let counts = HeapCounts::of_bytes(|name| bytes_of(name).len());
+        let heap = SECTIONS.map(|(name, _)| bytes_of(name)).concat();
         self.storage("heap", &heap);
         self.uniform("scene_info", &HeapLayout::new(&counts).info(0));
     }

@@ -3,9 +3,7 @@
 //! Lobes that scatter (event D) are sampled as one mixture; of the delta lobes (event S), which light follows in one direction or
 //! nearly so, each is a way of its own.
 
-use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::frame::Frame;
-use crate::optics::shading::material::resolved;
 use crate::optics::shading::phong::Phong;
 use crate::optics::shading::{DELTA_MOST, DeltaLobe, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes};
 use crate::packed::PackedMaterial;
@@ -102,11 +100,6 @@ impl Bsdf {
     /// Of a material, in a frame.
     pub(crate) fn new(m: &PackedMaterial, frame: Frame) -> Self {
         Self { frame, scatter: Scatter::of(m), delta: delta_lobes(m, &frame) }
-    }
-
-    /// Where a ray met a surface.
-    pub(crate) fn at(s: &SurfaceInteraction) -> Self {
-        Self::new(resolved(s), s.frame())
     }
 
     /// Part of the flux that takes each lobe, as max over bands of (albedo × carried) over that of carried.

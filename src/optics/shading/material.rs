@@ -1,10 +1,12 @@
-//! The material at a place. Today it is constant over a surface; what varies over one is looked up here. Twin:
+//! The material at a hit. Today it is constant over a surface; what varies over one is looked up here. Twin:
 //! shaders/shading/material.wgsl.
 
 use crate::optics::ray::SurfaceInteraction;
-use crate::packed::PackedMaterial;
+use crate::optics::shading::bsdf::Bsdf;
 
-/// Where a ray met a surface.
-pub(super) fn resolved<'a>(s: &SurfaceInteraction<'a>) -> &'a PackedMaterial {
-    s.material
+impl Bsdf {
+    /// Where a ray met a surface.
+    pub(crate) fn at(s: &SurfaceInteraction) -> Self {
+        Self::new(s.material, s.frame())
+    }
 }
