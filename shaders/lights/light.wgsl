@@ -48,7 +48,8 @@ fn sample_li(e: PackedEmitter, p: vec3<f32>, u: vec2<f32>) -> LightSample {
     return point_li(e, p);
 }
 
-// pdf_solid_angle, with the pick, by which sample_li finds the front of an emissive triangle at this distance; no ray meets the others.
+// pdf_solid_angle, with the pick, by which sample_li finds the front of an emissive triangle at this distance. No ray meets
+// the other lights.
 fn pdf_li(e: PackedEmitter, distance: f32, cos_light: f32) -> f32 {
     return triangle_pdf_li(e, distance, cos_light);
 }

@@ -1,6 +1,6 @@
 // Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
-// L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the weights of the boundary's fit; no cosine, it is in Φ already.  [E7] Jensen 1996
-// Two variants: the caustic map (a radius for each pixel) and the diffuse map (fitted at boundaries).
+// L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the corrected kernel's weights [E15]; no cosine, it is in Φ already.  [E7] Jensen 1996
+// Two variants: the caustic map (a radius for each pixel) and the diffuse map (its kernel corrected at edges and walls).
 // reads  tiles, map_info, path_filter, gather_points, scene, sorted_jotons, bucket_starts, fits, clips
 // writes  film, status
 // import: scene/features.wgsl

@@ -1,5 +1,5 @@
 // Glint: emission seen through specular surfaces (E S* L) where it is small in the image: a few camera trees, which take
-// both ways at a dielectric boundary, find it. A lamp's four percent in a water surface is then seen by every tree instead of
+// both ways at a dielectric interface, find it. A lamp's four percent in a water surface is then seen by every tree instead of
 // by every twenty-fifth eye path. Only for pixels in the list; each weighs what the eye path would not find [E25].
 // reads  scene, tiles, path_filter, glints      writes  seen, status
 // import: scene/features.wgsl
@@ -49,7 +49,8 @@ struct Way {
     t_back: f32,
 }
 
-// Tree `number`, 64 bits, of a pixel, which ends before `steps` comes to `budget`; weighed beside so many trees a pass, but in the pilot.
+// Tree `number`, 64 bits, of a pixel. It ends before `steps` comes to `budget`. What it sees is weighed beside so many trees a
+// pass; in the pilot it is not.
 fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> Seen {
     let seed = seed_at(pass_info.seed, number.y);
     var waiting: array<Way, WAITING_MAX>;

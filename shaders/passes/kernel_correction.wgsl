@@ -1,4 +1,4 @@
-// Boundary: what part of a gather point's disc is surface at all, and the weights of a local linear fit over it.
+// Kernel correction: what part of a gather point's disc is surface at all, and the weights of a local linear fit over it.
 // Σ a (c0 + c1 x + c2 y) (1, x, y) = (1, 0, 0) over the area points in the disc [E15]: exact for a linear field, so what a
 // disc loses at an edge or in a corner neither darkens nor bends the estimate.
 // reads  tiles, map_info, gather_points, area_points (bucket order), area_starts, clips (passes)
@@ -146,7 +146,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
     }
     if pilot {
-        // mirrors have no area points, and --paths must not change what is found; and where pixels are large the pilot's point does not speak for the others
+        // mirrors have no area points, and --paths must not change what is found; where pixels are large the pilot's point
+        // does not speak for the others
         others = others || SPECULAR_BODIES || pixel_footprint(point, pass_info.camera.pixel_angle) > (PILOT_REACH - 1.0) * map_info.radius;
         edges[at] = edge | select(0u, EDGE_OTHERS, others);
     }
