@@ -40,7 +40,7 @@ pub enum Light {
 pub struct Look {
     /// Where there was light.
     pub light: Light,
-    /// Some of them took both ways at a boundary.
+    /// Some of them took both ways at an interface.
     pub branched: bool,
     /// Mean of the squared radiance of the emitters on a tree, summed over the bands.
     pub square: f32,

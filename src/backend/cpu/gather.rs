@@ -1,5 +1,5 @@
 //! Gather: the radiance that leaves a gather point, from the jotons around it. L = throughput Σ f Φ w, w = 1/(π r²) or
-//! corrected for the boundary [E7, E15].
+//! corrected at edges and walls [E7, E15].
 
 use super::eye::GatherPoint;
 use super::kd_tree::{EMPTY, LANES};

@@ -1,5 +1,5 @@
 //! Glint: emission that is small in the image (E S* L): a lamp in a water surface, the rim of a lamp. A few camera trees,
-//! which take both ways at a dielectric boundary, find it; a pixel's one eye path would alias it for hundreds of passes.
+//! which take both ways at a dielectric interface, find it; a pixel's one eye path would alias it for hundreds of passes.
 //! In pixels that a pilot marked; in those that see specular surfaces and no light, in some passes only; in the others the eye path
 //! alone. Where there are both, each weighs what the other would not find [E25].
 

@@ -16,9 +16,9 @@ pub(super) enum Bsdf {
     Diffuse(Bands),
     /// A perfect mirror on both sides.
     Mirror(Bands),
-    /// The boundary of a transparent body, which is behind the front.
+    /// The interface of a transparent body, which is behind the front.
     Dielectric(Dielectric),
-    /// Both boundaries of such a body in one place.
+    /// Both interfaces of such a body in one place.
     Pane(Dielectric),
 }
 
