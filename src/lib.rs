@@ -33,20 +33,26 @@
 //!
 //! Everything that fails says so by an [`Error`], whose text names what to do about it. Lengths, powers and radiances of a
 //! [`scene::Scene`] are in the file's units and W, W/m² and W/(m² sr); those of a packed scene in internal units of length.
+//!
+//! Modules that these pages do not list are public for joton's own program and tests. They change without notice.
 #![forbid(unsafe_code)]
 #![warn(missing_docs, unreachable_pub)]
 
 pub mod backend;
+#[doc(hidden)]
 pub mod bench;
 mod error;
+#[doc(hidden)]
 pub mod estimators;
 pub mod film;
 mod host;
+#[doc(hidden)]
 pub mod optics;
 pub mod output;
 pub mod packed;
 pub mod plan;
 pub mod render;
+#[doc(hidden)]
 pub mod sampling;
 pub mod scene;
 pub mod spectrum;

@@ -5,22 +5,28 @@
 //! or in light years meets the same rounding). Radiance does not change under scaling; flux is in internal W:
 //! world flux = internal flux × `world_scale`².
 
+#[doc(hidden)]
 pub mod accel;
 mod area_points;
 mod bodies;
 mod camera;
+#[doc(hidden)]
 pub mod constants;
 mod contacts;
 mod doubts;
 mod emitters;
 mod enclosure_culling;
+#[doc(hidden)]
 pub mod gpu_struct;
 mod guide;
+#[doc(hidden)]
 pub mod heap;
+#[doc(hidden)]
 pub mod layout;
 mod surfaces;
 mod targets;
 mod visible_cells;
+#[doc(hidden)]
 pub mod wgsl;
 mod winding;
 

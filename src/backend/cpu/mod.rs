@@ -10,6 +10,7 @@ mod eye;
 mod gather;
 mod glint;
 #[doc(hidden)]
+#[doc(hidden)]
 pub mod harness;
 mod kd_tree;
 mod kernel_correction;

@@ -6,6 +6,7 @@ mod device_buffers;
 mod films;
 mod glints;
 #[doc(hidden)]
+#[doc(hidden)]
 pub mod harness;
 mod kernel;
 mod map;
