@@ -50,19 +50,24 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
         return Bands(0.0);
     }
     let hit = traverse(origin, wi, 1e30, false);
-    let scattered = eval_scatter(m, n, wi, wo) * cos_receiver;
+    var found = Bands(0.0);
+    var pdf_light = 0.0;
     if hit.triangle == MISS {
-        return scattered * on_miss(wi) / max(pdf_scatter(m, n, wi, wo), 1e-30);
+        found = on_miss(wi);
+    } else {
+        let t = triangle_at(hit.triangle);
+        let front = normalize(cross(t.e1, t.e2));
+        if t.emitter != NO_EMITTER && dot(wi, front) < 0.0 {
+            let e = emitter_at(t.emitter);
+            found = e.strength;
+            pdf_light = f32(pass_info.light_candidates) * pdf_li(e, hit.t, -dot(wi, front));
+        }
     }
-    let t = triangle_at(hit.triangle);
-    let front = normalize(cross(t.e1, t.e2));
-    if t.emitter == NO_EMITTER || dot(wi, front) >= 0.0 {
+    if max_band(found) <= 0.0 {
         return Bands(0.0);
     }
-    let e = emitter_at(t.emitter);
-    let pdf_light = f32(pass_info.light_candidates) * pdf_li(e, hit.t, -dot(wi, front));
     // f Le cos / pdf · pdf / (pdf + pdf_light)
-    return scattered * e.strength / (pdf_scatter(m, n, wi, wo) + pdf_light);
+    return eval_scatter(m, n, wi, wo) * found * (cos_receiver / (pdf_scatter(m, n, wi, wo) + pdf_light));
 }
 
 @compute @workgroup_size(64)

@@ -133,15 +133,17 @@ impl HeapLayout {
         let SceneInfo { nodes, triangles, normals, materials, .. } = self.first;
         let emitters = (0..lists.len()).map(|i| self.info(i).emitters).collect::<Vec<u32>>();
         let plain = [
-            (nodes, Cow::Owned(bytemuck::pod_collect_to_vec(&scene.bvh.nodes()))),
+            (nodes, Cow::Borrowed(bytemuck::cast_slice(scene.bvh.nodes()))),
             (triangles, Cow::Borrowed(bytemuck::cast_slice(&scene.triangles))),
             (materials, Cow::Borrowed(bytemuck::cast_slice(&scene.materials))),
         ];
         let lists =
             emitters.into_iter().zip(lists.into_iter().map(|l| Cow::Borrowed(bytemuck::cast_slice(l))));
         let normals = scene.shading_normals.chunks(AT_ONCE).enumerate().map(move |(i, some)| {
-            let packed: Vec<PackedNormals> = some.iter().map(|n| pack_normals(*n)).collect();
-            (normals + (i * AT_ONCE) as u32, Cow::Owned(bytemuck::pod_collect_to_vec(&packed)))
+            let bytes = |n: &[Vec3; 3]| {
+                bytemuck::cast::<PackedNormals, [u8; size_of::<PackedNormals>()]>(pack_normals(*n))
+            };
+            (normals + (i * AT_ONCE) as u32, Cow::Owned(some.iter().flat_map(bytes).collect()))
         });
         plain.into_iter().chain(lists).chain(normals)
     }

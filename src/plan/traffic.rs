@@ -199,7 +199,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
                     is_glossy: probabilities.bsdf.scatter.varies(),
                     is_cut: event > 0 || plan.traces(Layer::Diffuse) && is_cut(scene, &s, radius),
                 });
-                found.shadow = shadow(scene, plan, &s, [u0, u1, u_lobe]);
+                found.shadow = shadow(scene, plan, &s, &probabilities.bsdf, [u0, u1, u_lobe]);
             }
             break;
         }
@@ -213,7 +213,13 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
 }
 
 /// The rays of a light sample at a surface.
-fn shadow(scene: &PackedScene, plan: &Plan, s: &SurfaceInteraction, [u, v, w]: [f32; 3]) -> Mean {
+fn shadow(
+    scene: &PackedScene,
+    plan: &Plan,
+    s: &SurfaceInteraction,
+    bsdf: &Bsdf,
+    [u, v, w]: [f32; 3],
+) -> Mean {
     let mut found = Mean::default();
     let lights = plan.guides.direct.emitters(&scene.emitters);
     if let Some(light) = sample_light(lights, s.position, [u, v])
@@ -224,7 +230,6 @@ fn shadow(scene: &PackedScene, plan: &Plan, s: &SurfaceInteraction, [u, v, w]: [
         found.steps += steps(scene, &s.leave(light.wi), (light.target - s.position).length(), true);
     }
     // every sample shares its weight with one of the lobes where either is much better
-    let bsdf = Bsdf::at(s);
     if (bsdf.scatter.varies() || lights.len() > NEAR_EMITTERS_MAX as usize)
         && let Some(wi) = bsdf.sample_scatter(w, [u, v])
     {

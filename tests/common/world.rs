@@ -33,7 +33,7 @@ impl World {
     /// The buffers of a scene that is nothing but these triangles.
     pub fn harness<'a>(&self, context: &'a Context) -> Harness<'a> {
         let mut harness = Harness::new(context);
-        harness.scene("nodes", &self.bvh.nodes());
+        harness.scene("nodes", self.bvh.nodes());
         harness.scene("triangles", &self.triangles);
         harness
     }

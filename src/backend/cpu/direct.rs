@@ -16,7 +16,7 @@ use crate::packed::constants::NEAR_EMITTERS_MAX;
 use crate::packed::{PackedEmitter, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence2};
-use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
+use crate::spectrum::{BLACK, Bands, add, is_black, max, mul, scale};
 use glam::Vec3;
 
 /// Direct light at a gather point, times its throughput: one pass's estimate.
@@ -119,12 +119,14 @@ fn by_bsdf(
     }
     tally.rays += 1;
     let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
-    let scattered = scale(&g.bsdf.eval_scatter(wi), wi.dot(g.ns));
-    let pdf = g.bsdf.pdf_scatter(wi);
-    let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
-        return scale(&mul(&scattered, &on_miss(wi)), 1.0 / pdf.max(f32::MIN_POSITIVE));
+    let (found, pdf_light) = match SurfaceInteraction::hit(scene, &ray) {
+        Some(s) => (le(&s).copied().unwrap_or(BLACK), number * pdf_light(lights, &s)),
+        None => (on_miss(wi), 0.0),
     };
-    let Some(le) = le(&s) else { return BLACK };
+    if is_black(&found) {
+        return BLACK;
+    }
     // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)
-    scale(&mul(&scattered, le), 1.0 / (pdf + number * pdf_light(lights, &s)))
+    let weight = wi.dot(g.ns) / (g.bsdf.pdf_scatter(wi) + pdf_light);
+    scale(&mul(&g.bsdf.eval_scatter(wi), &found), weight)
 }

@@ -182,9 +182,8 @@ impl<'a> Path<'a> {
                 self.next_event(&s, &bsdf, &throughput, [l0, l1], Lobe::Matte);
                 let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| wi.dot(s.ng) > 0.0);
                 if let Some(wi) = leaving {
-                    let pdf = bsdf.pdf_scatter(wi);
-                    throughput = scale(&mul(&throughput, &bsdf.eval_scatter(wi)), wi.dot(s.ns) / pdf);
-                    pdf_last = Some(pdf);
+                    throughput = mul(&throughput, &bsdf.weight_scatter(wi));
+                    pdf_last = Some(bsdf.pdf_scatter(wi));
                 }
                 leaving
             } else {

@@ -72,7 +72,7 @@ impl<'a> Harness<'a> {
         let warps = buffers["warps_caustic"].clone();
         buffers.insert("warps", warps);
         let mut harness = Self::with_buffers(context, buffers);
-        harness.scene("nodes", &scene.bvh.nodes());
+        harness.scene("nodes", scene.bvh.nodes());
         harness.scene("triangles", &scene.triangles);
         let normals: Vec<_> = scene.shading_normals.iter().map(|n| pack_normals(*n)).collect();
         harness.scene("normals", &normals);

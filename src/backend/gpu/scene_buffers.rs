@@ -28,7 +28,6 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     let layout = heap_layout(scene, plan);
     let numbers = list_numbers(plan);
     let infos = numbers.map(|list| layout.info(list));
-    let nodes = scene.bvh.nodes();
     let emitters = [
         &scene.emitters[..],
         guides.direct.emitters(&scene.emitters),
@@ -36,7 +35,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
         guides.diffuse.emitters(&scene.emitters),
     ];
     let mut contents: Vec<(&str, &[u8])> = vec![
-        ("nodes", bytemuck::cast_slice(&nodes)),
+        ("nodes", bytemuck::cast_slice(scene.bvh.nodes())),
         ("triangles", bytemuck::cast_slice(&scene.triangles)),
         ("materials", bytemuck::cast_slice(&scene.materials)),
         ("targets", bytemuck::bytes_of(&targets)),
@@ -66,7 +65,8 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
             }
         }
     }
-    let mut heap = HeapWriter { context, buffers: &buffers, part: heap_part_bytes(&context.machine()) };
+    let parts = HEAP.iter().filter_map(|name| buffers.get(name)).collect();
+    let heap = HeapWriter { context, parts, part_bytes: heap_part_bytes(&context.machine()) };
     let lists = (0..emitters.len()).filter(|&i| i == 0 || numbers[i] > 0).map(|i| emitters[i]);
     for (first, section) in layout.sections(scene, lists.collect()) {
         heap.write(first, &section);
@@ -78,21 +78,21 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
 /// Writes sections of the heap, whether it lies in one buffer or in several.
 struct HeapWriter<'a> {
     context: &'a Context,
-    buffers: &'a Buffers,
-    /// Bytes of a part.
-    part: u64,
+    /// Its buffers in their order.
+    parts: Vec<&'a wgpu::Buffer>,
+    /// Bytes of each but the last.
+    part_bytes: u64,
 }
 
 impl HeapWriter<'_> {
     /// Write a section from word `first` on.
-    fn write(&mut self, first: u32, section: &[u8]) {
+    fn write(&self, first: u32, section: &[u8]) {
         let mut rest = section;
         let mut at = u64::from(first) * HEAP_WORD;
-        let parts = HEAP.iter().filter_map(|name| self.buffers.get(name)).collect::<Vec<_>>();
         while !rest.is_empty() {
             // the last part has all the rest
-            let number = (at / self.part).min(parts.len() as u64 - 1);
-            let (part, from) = (parts[number as usize], at - number * self.part);
+            let number = (at / self.part_bytes).min(self.parts.len() as u64 - 1);
+            let (part, from) = (self.parts[number as usize], at - number * self.part_bytes);
             let here = (part.size() - from).min(rest.len() as u64);
             self.context.queue.write_buffer(part, from, &rest[..here as usize]);
             rest = &rest[here as usize..];

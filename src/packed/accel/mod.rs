@@ -75,8 +75,8 @@ impl Bvh {
     }
 
     /// The nodes in the layout of the kernels.
-    pub fn nodes(&self) -> Vec<Node> {
-        self.wide.nodes.iter().map(|n| bytemuck::cast::<_, Node>(*n)).collect()
+    pub fn nodes(&self) -> &[Node] {
+        bytemuck::cast_slice(&self.wide.nodes)
     }
 
     /// Number of nodes.
