@@ -53,6 +53,8 @@ pub mod packed;
 pub mod plan;
 pub mod render;
 #[doc(hidden)]
+pub mod resolve;
+#[doc(hidden)]
 pub mod sampling;
 pub mod scene;
 pub mod spectrum;

@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}", table::HEAD);
     for name in ["cornell", "rooms", "pedestal"] {
         // where pixels are many, as they mostly are
-        let case = Case { name, scene: file(name, 2 * size), paths: EVERYTHING };
+        let case = Case { name, scene: file(name, 2 * size), paths: EVERYTHING, keep: &[] };
         println!("{}", table::together(&effort, &case, &Part::ALL)?);
     }
     for t in twins::all(size) {

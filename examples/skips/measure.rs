@@ -37,6 +37,8 @@ pub struct Subject {
     /// What is in reach of its camera, and all of it.
     scenes: [Arc<PackedScene>; 2],
     paths: LightPaths,
+    /// What is kept of it in any case.
+    always: &'static [Part],
 }
 
 /// What a kind of render took, and what came of it.
@@ -72,7 +74,7 @@ impl Subject {
     /// Pack a scene.
     pub fn new(effort: &Effort, case: &Case) -> joton::Result<Self> {
         let scenes = [PackedScene::new(&case.scene), PackedScene::whole(&case.scene)].map(Arc::new);
-        Ok(Self { effort: *effort, scenes, paths: LightPaths::parse(case.paths)? })
+        Ok(Self { effort: *effort, scenes, paths: LightPaths::parse(case.paths)?, always: case.keep })
     }
 
     /// The scene with some parts kept.
@@ -82,7 +84,7 @@ impl Subject {
 
     /// A plan with some parts kept.
     pub fn plan(&self, seed: u32, keep: &[Part]) -> Plan {
-        let keep = keep.to_vec();
+        let keep = [self.always, keep].concat();
         let scene = self.scene(&keep);
         Plan::new(scene, Settings { seed, paths: self.paths.clone(), keep, ..Settings::default() })
     }
@@ -132,13 +134,20 @@ impl Subject {
     pub fn p_value(&self, keep: &[Part]) -> joton::Result<f64> {
         let radii = |keep: &[Part]| {
             let plan = self.plan(TEST_SEED, keep);
-            (plan.diffuse.base * self.scene(keep).world_scale, plan.caustic_wanted, plan.caustic_jotons)
+            (
+                plan.indirect,
+                plan.diffuse.base * self.scene(keep).world_scale,
+                plan.caustic_wanted,
+                plan.caustic_jotons,
+            )
         };
         let narrow = if radii(&[]) == radii(keep) { [1.0; 2] } else { NARROW };
         let estimate = |keep: &[Part], first: u32| {
             let seeds = first..first + TEST_RENDERS;
             let images = seeds.map(|seed| {
                 let mut plan = self.plan(seed, keep);
+                // what neighbours share is a little biased, too
+                plan.resolves = false;
                 plan.caustic.base *= narrow[0];
                 plan.diffuse.base *= narrow[1];
                 Ok(self.render(plan, self.effort.passes)?.0)

@@ -95,6 +95,11 @@ const STREAM_DIFFUSE_PLACE: u32 = 4u;
 const STREAM_DIFFUSE_DIRECTION: u32 = 5u;
 const STREAM_CHOICE: u32 = 6u;
 const STREAM_GLINT_JITTER: u32 = 7u;
+// First direction of the paths that go on, and light at their first surface: one sequence a tile of pixels. Light at
+// later ones: one a pixel, the number of the event as the high word of the index.
+const STREAM_INDIRECT: u32 = 8u;
+const STREAM_INDIRECT_LIGHT: u32 = 9u;
+const STREAM_INDIRECT_LATER_LIGHT: u32 = 10u;
 // Dimensions of hashed numbers: one for each event of a path, in a range for each kind of path.
 const DIMENSION_EYE: u32 = 0u;
 const DIMENSION_DIRECT: u32 = 0x10000u;
@@ -103,3 +108,5 @@ const DIMENSION_DIFFUSE: u32 = 0x30000u;
 const DIMENSION_GLINT: u32 = 0x40000u;
 const DIMENSION_UNSEEN: u32 = 0x50000u;
 const DIMENSION_GLINT_ALONE: u32 = 0x60000u;
+// Three for each event.
+const DIMENSION_INDIRECT: u32 = 0x70000u;

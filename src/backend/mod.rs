@@ -7,9 +7,11 @@ use crate::error::Result;
 use crate::estimators::split_paths::SplitPaths;
 use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
+use crate::resolve::Resolver;
 use crate::spectrum::{BANDS, Bands};
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 
 /// Most passes of a render: random numbers know a pass by 32 bits, and the last of them is the pilot's.
 pub const PASSES_MAX: u64 = u32::MAX as u64;
@@ -51,6 +53,11 @@ pub trait Backend {
     fn traces(&self, layer: Layer) -> bool {
         let _ = layer;
         true
+    }
+
+    /// Smooths the indirect light of a picture; none where it is not to be smoothed.
+    fn resolver(&self) -> Option<Arc<Resolver>> {
+        None
     }
 
     /// From now on tiles rest as told: a batch holds the sums of the passes that each takes part in. False where the backend

@@ -56,18 +56,20 @@ fn climb(
                 return true;
             }
             steps_done = reached;
+            // what a picture costs is part of its time, as if it were the last
+            let look = progress.look();
             let seen = PictureRun {
                 device_name: device_name.clone(),
                 seed,
-                seconds: progress.seconds,
-                cpu_seconds: progress.cpu_seconds,
+                seconds: progress.seconds + look.seconds,
+                cpu_seconds: progress.cpu_seconds + look.cpu_seconds,
                 passes: progress.passes,
                 rays: Some(progress.tally.rays),
                 jotons: Some(progress.tally.jotons_emitted),
                 device_bytes,
-                error_estimate: progress.error.map(|e| e.total),
+                error_estimate: look.error.map(|e| e.total),
             };
-            match ladder.add(reached - 1, seen, &progress.picture().whole) {
+            match ladder.add(reached - 1, seen, &look.picture.whole) {
                 Ok(row) => go_on = see(row),
                 Err(e) => failure = Some(e),
             }

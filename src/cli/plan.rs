@@ -67,6 +67,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "emitters": packed.emitters.len(),
             "out_of_reach": packed.out_of_reach,
             "layers": layers,
+            "indirect": plan.indirect.name(),
             "caustic_jotons": plan.caustic_jotons,
             "diffuse_jotons": plan.diffuse_jotons,
             "shadow_rays": plan.settings.shadow_rays,
@@ -118,6 +119,12 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     }
     if plan.traces(Layer::Direct) {
         say(format_args!("direct light: {} shadow rays a pixel and pass", plan.settings.shadow_rays));
+    }
+    if plan.has_indirect_paths() {
+        let then = if plan.resolves { ", shared with neighbours when the picture is made" } else { "" };
+        say(format_args!(
+            "indirect light: a path a pixel and pass goes on from where light is gathered{then}"
+        ));
     }
     say(format_args!(
         "\nkernels of a pass, about {milliseconds:.0} ms on two cores with lavapipe; all but names and numbers of dispatches is estimated"

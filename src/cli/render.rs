@@ -56,6 +56,9 @@ pub(super) struct RenderArguments {
     /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
+    /// Share what paths find of indirect light with neighbouring pixels when the picture is made.
+    #[arg(long, default_value = "on")]
+    resolve: Switch,
     /// Memory of the device's buffers, at most, e.g. 512M or 2G [default: what the device allows].
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
@@ -76,6 +79,13 @@ pub(super) struct RenderArguments {
     quiet: bool,
 }
 
+/// On or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Switch {
+    On,
+    Off,
+}
+
 pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let begin = Instant::now();
     let stop = checked_stop(a)?;
@@ -87,7 +97,8 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     }
     check_outputs(&a.scene, outputs.iter().chain(&a.report))?;
     let (seed, shadow_rays, memory, keep) = (a.seed, a.shadow_rays, a.memory, kept(&a.no_skip)?);
-    let mut settings = Settings { seed, shadow_rays, memory, keep, ..Settings::default() };
+    let resolve = a.resolve == Switch::On;
+    let mut settings = Settings { seed, shadow_rays, memory, keep, resolve, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }

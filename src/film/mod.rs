@@ -15,6 +15,9 @@ const LAYER_BYTES: u64 = 24 + 12 + 12;
 const PIXEL_BYTES: u64 = 12 + 17 + 64;
 /// Bytes of a pixel that is looked at to tell the error.
 const SAMPLE_BYTES: u64 = 120;
+/// Bytes of a pixel whose diffuse layer is resolved: its first half, both means, what it shows, what blocks of all sizes found, what
+/// neighbours tell and how sure they are.
+const RESOLVE_BYTES: u64 = 24 + 24 + 80 + 110 + 32 + 20 + 12;
 /// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
 pub const SAMPLES_MAX: u64 = 1 << 21;
 /// Most pixels of an image: they are numbered in 28 bits.
@@ -22,9 +25,9 @@ const PIXELS_MAX: u64 = 1 << 28;
 
 /// Bytes of host memory for an image of which so many layers hold light, from the first pass to the written file, at most. Where a
 /// layer is black none are taken.
-pub fn host_bytes(size: [u32; 2], layers: usize) -> u64 {
+pub fn host_bytes(size: [u32; 2], layers: usize, resolves: bool) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64;
+    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64 + if resolves { RESOLVE_BYTES } else { 0 };
     pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
 }
 
@@ -33,7 +36,7 @@ pub fn host_bytes(size: [u32; 2], layers: usize) -> u64 {
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2]) -> Result<()> {
-    let need = host_bytes(size, LAYERS);
+    let need = host_bytes(size, LAYERS, false);
     let most = PIXELS_MAX * (PIXEL_BYTES + LAYER_BYTES * LAYERS as u64);
     let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
     if need > limit {
@@ -103,6 +106,8 @@ pub struct Picture {
     pub whole: Image,
     /// One image for each of [`Layer::ALL`].
     pub layers: [Image; LAYERS],
+    /// The diffuse layer as the passes found it, where it was resolved.
+    pub unresolved: Option<Image>,
 }
 
 /// Sums over passes, per layer and pixel, in f64: 1e5 passes do not drift. A sample of a tile that rests counts for the
@@ -117,6 +122,33 @@ pub struct Film {
     /// The last sample of the pixels whose block is longer than a batch; empty before there are any. `sums` has it as often
     /// as its block has passes, those to come among them.
     last: [Vec<Bands>; LAYERS],
+    /// Of the diffuse layer, the passes of the first half [`half`]: who resolves it sees both apart. None where it is not resolved.
+    first_half: Option<FirstHalf>,
+}
+
+/// The passes of one half.
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
+struct FirstHalf {
+    passes: u64,
+    sums: Vec<[f64; BANDS]>,
+}
+
+/// A layer's mean in each half of the passes, and the part of the passes that each half has.
+#[derive(Debug, Clone)]
+pub struct Halves {
+    /// Radiance, W/(m² sr).
+    pub means: [Vec<Bands>; 2],
+    /// They add up to one; the second is 0 after one pass.
+    pub parts: [f32; 2],
+}
+
+/// The half that a pass belongs to, from its first bit after the leading one: 0 | 1 | 2 | 3 | 4 5 | 6 7 | 8 9 10 11 | 12 …
+/// Both have passes of all radii, and runs of them, which are spread evenly over the Sobol sequences.
+pub(crate) fn half(pass: u64) -> usize {
+    match pass {
+        0 | 1 => pass as usize,
+        _ => (pass >> (pass.ilog2() - 1) & 1) as usize,
+    }
 }
 
 impl Film {
@@ -130,7 +162,34 @@ impl Film {
             sums: std::array::from_fn(|_| vec![[0.0; BANDS]; n]),
             schedule: TileSchedule::none([width, height]),
             last: Default::default(),
+            first_half: None,
         }
+    }
+
+    /// From the first pass on, keep the halves of the diffuse layer apart.
+    pub fn keep_halves(&mut self) {
+        let sums = vec![[0.0; BANDS]; self.sums[0].len()];
+        self.first_half = Some(FirstHalf { passes: 0, sums });
+    }
+
+    /// The halves of the diffuse layer; none where they are not kept.
+    pub fn halves(&self) -> Option<Halves> {
+        let FirstHalf { passes, sums } = self.first_half.as_ref()?;
+        let layer = Layer::Diffuse as usize;
+        let (first, second) = (*passes as f64, (self.passes - passes) as f64);
+        let means = (0..sums.len()).map(|pixel| {
+            let all = self.sum(layer, pixel);
+            let mean = all.map(|x| x / self.passes.max(1) as f64);
+            // what rests has no noise, and blocks that are not over
+            if second == 0.0 || self.schedule.is_resting(pixel) {
+                return [mean.map(|x| x as f32); 2];
+            }
+            let rest = std::array::from_fn(|b| ((all[b] - sums[pixel][b]) / second) as f32);
+            [sums[pixel].map(|x| (x / first) as f32), rest]
+        });
+        let (a, b) = means.map(|[a, b]| (a, b)).unzip();
+        let part = first / self.passes.max(1) as f64;
+        Some(Halves { means: [a, b], parts: [part as f32, (1.0 - part) as f32] })
     }
 
     /// Pixels across and down.
@@ -161,6 +220,9 @@ impl Film {
     pub fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
         let width = self.width as usize;
         let runs = self.schedule.runs(self.passes, passes);
+        if let Some(first_half) = self.first_half.as_mut().filter(|_| half(self.passes) == 0) {
+            first_half.add(passes, &layers[Layer::Diffuse as usize], &runs, width);
+        }
         self.passes += passes;
         for ((sum, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
             if layer.is_empty() {
@@ -223,6 +285,25 @@ impl Film {
         Picture {
             whole: image(&|p| self.sum_of_layers(p)),
             layers: std::array::from_fn(|l| image(&|p| self.sum(l, p))),
+            unresolved: None,
+        }
+    }
+}
+
+impl FirstHalf {
+    fn add(&mut self, passes: u64, layer: &[Bands], runs: &[tile_schedule::Run], width: usize) {
+        self.passes += passes;
+        if layer.is_empty() {
+            return;
+        }
+        for run in runs {
+            for pixels in run.pixels(width) {
+                for (s, l) in self.sums[pixels.clone()].iter_mut().zip(&layer[pixels]) {
+                    for b in 0..BANDS {
+                        s[b] += run.weight as f64 * f64::from(l[b]);
+                    }
+                }
+            }
         }
     }
 }

@@ -110,9 +110,17 @@ impl TileSchedule {
         if self.is_none() {
             return 0;
         }
+        Self::pending(self.exponents[self.tile_of(pixel)], passes)
+    }
+
+    /// True where a pixel's tile rests.
+    pub fn is_resting(&self, pixel: usize) -> bool {
+        !self.is_none() && self.exponents[self.tile_of(pixel)] > 0
+    }
+
+    fn tile_of(&self, pixel: usize) -> usize {
         let width = self.size[0] as usize;
-        let tile = pixel / width / TILE as usize * self.tiles()[0] + pixel % width / TILE as usize;
-        Self::pending(self.exponents[tile], passes)
+        pixel / width / TILE as usize * self.tiles()[0] + pixel % width / TILE as usize
     }
 
     /// Pixels across and down of a tile, as ranges of columns and rows.

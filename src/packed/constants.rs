@@ -100,12 +100,17 @@ shared_constants! {
     pub const NARROW_STOPS: f32 = 1.0;
     /// All surfaces lie nearer than this to the internal origin, internal units.
     pub const SCENE_RADIUS: f32 = 1024.0;
+    /// Discs of the caustic map at the later surfaces of a path are this part of the largest: no wall and no edge ends them.
+    pub const INDIRECT_DISC: f32 = 0.5;
     /// Events after which no path goes on for sure …
     pub const SURE_EVENTS: u32 = 64;
     /// … but with this probability at most, at each event \[E3\]: so paths end between perfect mirrors and inside bodies that
     /// reflect totally. No less than what the whitest walls keep of light: these end paths by their own absorption. No more,
     /// since a GPU waits for the longest path of a pass.
     pub const SURVIVAL_MAX: f32 = 0.99;
+    /// Jotons of a cell that a path which goes on looks at: of more, every so many-th stands for those between. The noise of one
+    /// path is larger by far.
+    pub const CELL_JOTONS: u32 = 3;
     /// Of so many jotons where the camera does not look one is stored, with the flux of all \[E23\].
     pub const UNSEEN_STORED: u32 = 8;
     /// Most that shading normals may change a joton's flux at one event \[E11\]; Veach's factor is unbounded at grazing angles.

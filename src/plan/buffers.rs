@@ -43,7 +43,7 @@ pub struct Known {
 
 /// What is known of each pixel.
 pub fn known(plan: &Plan) -> impl Iterator<Item = Known> {
-    let [caustic, diffuse] = [Layer::Caustic, Layer::Diffuse].map(|layer| plan.traces(layer));
+    let [caustic, diffuse] = MapKind::ALL.map(|kind| plan.has_map(kind));
     let radius = Known { name: "radii", words: [4, 1] };
     let edges = Known { name: "edges", words: [1, 1] };
     let clips = Known { name: "clips", words: [8, 8] };
@@ -107,13 +107,10 @@ impl<'a> BufferPlan<'a> {
     pub fn buffers(&self) -> Vec<Buffer> {
         let mut all = scene_buffers(self.scene, self.plan, &self.machine);
         all.extend(self.pass_buffers());
-        let most = area_points_most(self.plan.settings.memory);
-        let wanted = if self.shapes.diffuse.is_some() {
-            area_points_wanted(self.scene, self.plan.diffuse.radius(0), most)
-        } else {
-            0
-        };
-        all.push(area_points(wanted, most));
+        if self.shapes.diffuse.is_some() {
+            let most = area_points_most(self.plan.settings.memory);
+            all.push(area_points(area_points_wanted(self.scene, self.plan.diffuse.radius(0), most), most));
+        }
         let bytes = |is_read: &dyn Fn(&str) -> bool| -> u64 {
             all.iter().filter(|b| is_read(b.name)).map(|b| b.bytes).sum()
         };
@@ -179,12 +176,13 @@ impl<'a> BufferPlan<'a> {
     /// Bytes on the device of a pixel that its buffers hold.
     pub fn bytes_per_pixel(&self) -> f64 {
         let pixels = self.strips.pixels_held();
-        pixel_buffers(pixels).iter().map(|b| b.bytes).sum::<u64>() as f64 / pixels as f64
+        pixel_buffers(self.plan, pixels).iter().map(|b| b.bytes).sum::<u64>() as f64 / pixels as f64
     }
 
     /// Bytes of host memory beside the buffers, at most.
     pub fn host_bytes(&self) -> u64 {
-        host_bytes(self.scene.size, self.plan.layers.iter().filter(|traced| **traced).count())
+        let layers = self.plan.layers.iter().filter(|traced| **traced).count();
+        host_bytes(self.scene.size, layers, self.plan.resolves)
     }
 
     /// Check that so many free bytes hold the buffers of a device whose memory is the host's, and what the host needs itself. How
@@ -209,8 +207,17 @@ impl<'a> BufferPlan<'a> {
             all.push(Buffer { name: "sorted_jotons_caustic", ..sorted });
             all.push(Buffer { name: "bucket_starts_caustic", ..starts });
         }
-        all.extend(pixel_buffers(self.strips.pixels_held()));
-        all.push(Buffer::new("area_starts", AREA_STARTS as u64 * WORD, "first area point of each bucket"));
+        all.extend(pixel_buffers(self.plan, self.strips.pixels_held()));
+        if self.shapes.diffuse.is_some() {
+            all.push(Buffer::new(
+                "area_starts",
+                AREA_STARTS as u64 * WORD,
+                "first area point of each bucket",
+            ));
+        }
+        if self.plan.has_indirect_paths() {
+            all.push(Buffer::new("queue", WORD, "pixels whose paths have gone on"));
+        }
         all.push(Buffer::new("status", u64::from(status::SLOTS) * WORD, "alarms and counts of rays"));
         all
     }
@@ -400,24 +407,25 @@ fn sorted_buffers(stored: u64, buckets: u64) -> [Buffer; 2] {
 }
 
 /// What each pixel needs.
-fn pixel_buffers(pixels: u64) -> Vec<Buffer> {
-    let mut all = vec![
-        Buffer::new("gather_points", pixels * size_of::<GatherPoint>() as u64, "where camera paths end"),
-        Buffer::new(
-            "fits",
-            pixels.max(TREES_MAX.into()) * size_of::<Fit>() as u64,
-            "what trees see, weights of discs",
-        ),
-        Buffer::new("radii", pixels * size_of::<Fit>() as u64, "radius of the caustic map"),
-        Buffer::new("counts", pixels * WORD, "jotons that the pilot found"),
-        Buffer::new(
-            "glints",
-            SplitPaths::most(pixels).max(TREES_MAX.into()) * WORD,
-            "trees that look for emission",
-        ),
-        Buffer::new("edges", pixels * WORD, "whether a disc is whole"),
-        Buffer::new("clips", pixels * size_of::<Clip>() as u64, "walls about a disc"),
+fn pixel_buffers(plan: &Plan, pixels: u64) -> Vec<Buffer> {
+    let [caustic, diffuse] = MapKind::ALL.map(|kind| plan.has_map(kind));
+    let emission = plan.traces(Layer::Emission);
+    let fit = size_of::<Fit>() as u64;
+    // kernels that can do without still have a binding for it
+    let edges = if diffuse { pixels } else { 0 };
+    let trees = SplitPaths::most(pixels).max(TREES_MAX.into());
+    let all = [
+        (true, "gather_points", pixels * size_of::<GatherPoint>() as u64, "where camera paths end"),
+        (diffuse || emission, "fits", pixels.max(TREES_MAX.into()) * fit, "what trees see, weights of discs"),
+        (caustic || emission, "radii", pixels * fit, "radius of the caustic map, what the pilot's trees see"),
+        (caustic, "counts", pixels * WORD, "jotons that the pilot found"),
+        (emission, "glints", trees * WORD, "trees that look for emission"),
+        (caustic || diffuse, "edges", edges * WORD, "whether a disc is whole"),
+        (caustic || diffuse, "clips", pixels * size_of::<Clip>() as u64, "walls about a disc"),
     ];
+    let needed = all.into_iter().filter(|(is_needed, ..)| *is_needed);
+    let mut all: Vec<Buffer> =
+        needed.map(|(_, name, bytes, holds)| Buffer::new(name, bytes, holds)).collect();
     all.extend(FILMS.map(|film| Buffer::new(film, pixels * FILM_PIXEL, "sums of a layer")));
     all
 }

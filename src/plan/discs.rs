@@ -9,6 +9,7 @@ use crate::packed::constants::{CLIP_LIFT, CLIP_RAYS, GATHER_NORMAL_COS, GATHER_P
 use crate::plan::CAUSTIC_FOOTPRINTS;
 use crate::sampling::distributions::unit_circle;
 use glam::Vec3;
+use std::ops::Range;
 
 /// Where a camera path ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,14 +44,26 @@ impl Looked {
 
     /// How many a sphere looks at.
     pub(super) fn tests(&self, center: Vec3, radius: f32) -> f64 {
-        let runs = self.grid.runs(center, radius);
-        runs.map(|run| self.counts[run.start..run.end.min(self.counts.len())].iter().sum::<f64>()).sum()
+        self.tests_at_most(center, radius, f64::INFINITY)
     }
+
+    /// The same where it looks at no more than so many in each cell, in the mean over a row.
+    pub(super) fn tests_at_most(&self, center: Vec3, radius: f32, most: f64) -> f64 {
+        let runs = self.grid.runs(center, radius);
+        let in_run =
+            |run: Range<usize>| self.counts[run.start..run.end.min(self.counts.len())].iter().sum::<f64>();
+        runs.map(|run| in_run(run.clone()).min(most * run.len() as f64)).sum()
+    }
+}
+
+/// Largest radius of the caustic disc of a place in the first pass.
+pub(super) fn caustic_radius_most(plan: &Plan, place: &Place) -> f32 {
+    (CAUSTIC_FOOTPRINTS[1] * place.footprint).min(plan.caustic.base as f32)
 }
 
 /// Radius of the caustic disc of a place in the first pass, from what the largest looks at [E14].
 pub(super) fn caustic_radius(plan: &Plan, place: &Place, looked: &Looked) -> f32 {
-    let largest = (CAUSTIC_FOOTPRINTS[1] * place.footprint).min(plan.caustic.base as f32);
+    let largest = caustic_radius_most(plan, place);
     let smallest = (CAUSTIC_FOOTPRINTS[0] * place.footprint).min(largest);
     // of what is looked at about half lies in the disc
     let found = (0.5 * looked.tests(place.position, largest)) as f32;

@@ -8,7 +8,7 @@
 //! machines differ in all of it.
 
 use super::buffers::{AREA_KEY_BITS, BufferPlan, SCAN_BLOCK, area_points_most, area_points_wanted, is_small};
-use super::discs::{Looked, Place, caustic_radius};
+use super::discs::{Looked, Place, caustic_radius, caustic_radius_most};
 use super::grid::Grid;
 use super::map_layout::{DIGIT_BITS, MapLayout};
 use super::strips::Strip;
@@ -16,7 +16,7 @@ use super::traffic::Traffic;
 use crate::estimators::maps::MapKind;
 use crate::estimators::radii::Schedule;
 use crate::film::Layer;
-use crate::packed::constants::TILE;
+use crate::packed::constants::{CELL_JOTONS, TILE};
 use crate::packed::layout::{GatherPoint, Joton, PathState};
 use crate::packed::scatter_area_points;
 use glam::Vec3;
@@ -109,6 +109,9 @@ impl BufferPlan<'_> {
             self.map_kernels(&mut list, traffic, kind, shape);
             self.gather_kernels(&mut list, traffic, kind, &strips);
         }
+        if self.plan.has_indirect_paths() {
+            self.indirect_kernel(&mut list, traffic, &strips);
+        }
         list.kernels
     }
 
@@ -191,13 +194,50 @@ impl BufferPlan<'_> {
         list.add("map_reorder", map, &[slots], moved(shared(stored * (2.0 * joton + WORD), slots)));
     }
 
+    /// Paths that go on from the gather points: rays, light at their surfaces, and the caustic map there.
+    fn indirect_kernel(&self, list: &mut List, traffic: &Traffic, strips: &[Strip]) {
+        let pixels: Vec<u64> = strips.iter().map(|s| self.pixels_of_tiles(s)).collect();
+        let paths = &traffic.indirect;
+        let most = f64::from(CELL_JOTONS);
+        let jotons = self.jotons_looked_at(traffic, MapKind::Caustic);
+        let tests = |place: &Place| {
+            let radius = caustic_radius_most(self.plan, place);
+            jotons.as_ref().map_or(0.0, |jotons| jotons.tests_at_most(place.position, radius, most))
+        };
+        let glossy = |place: &Place| if place.is_glossy { tests(place) } else { 0.0 };
+        let looks = paths.stored * f64::from(self.plan.light_candidates);
+        let gathers = if jotons.is_some() { paths.stored } else { 0.0 };
+        let work = Work {
+            rays: paths.rays,
+            steps: paths.steps,
+            tests: traffic.mean_of_indirect_places(tests),
+            bytes: size_of::<GatherPoint>() as f64 + FILM,
+            rest: INVOCATION
+                + (paths.rays + looks) * 0.5 * DIRECT
+                + gathers * GATHER
+                + traffic.mean_of_indirect_places(glossy) * TEST_GLOSSY,
+        };
+        list.add_scattered("indirect", None, &pixels, work);
+    }
+
+    /// Pixels of whole tiles over a strip.
+    fn pixels_of_tiles(&self, s: &Strip) -> u64 {
+        let [across, down] = [self.strips.size[0], s.rows].map(|n| u64::from(n.div_ceil(TILE)));
+        across * down * u64::from(TILE * TILE)
+    }
+
+    /// The jotons of a map by place; none where there is no such map.
+    fn jotons_looked_at(&self, traffic: &Traffic, kind: MapKind) -> Option<Looked> {
+        let shape = self.shapes.of(kind)?;
+        let stored = f64::from(shape.emitted) * traffic.of(kind).stored;
+        let radius = self.schedule(kind).radius(0) as f32;
+        let grid = Grid::new(self.scene.bounds, radius, shape.key_bits());
+        Some(Looked::new(grid, &traffic.stored[kind as usize], stored))
+    }
+
     fn gather_kernels(&self, list: &mut List, traffic: &Traffic, kind: MapKind, strips: &[Strip]) {
         let map = Some(kind.name());
-        let tiles = |s: &Strip| {
-            let [across, down] = [self.strips.size[0], s.rows].map(|n| u64::from(n.div_ceil(TILE)));
-            across * down * u64::from(TILE * TILE)
-        };
-        let pixels: Vec<u64> = strips.iter().map(tiles).collect();
+        let pixels: Vec<u64> = strips.iter().map(|s| self.pixels_of_tiles(s)).collect();
         let point = size_of::<GatherPoint>() as f64;
         let points = traffic.camera.stored;
         let work = |tests: f64, glossy: f64| Work {
@@ -208,11 +248,9 @@ impl BufferPlan<'_> {
         };
         let over_places = |tests: &dyn Fn(&Place) -> f64| traffic.mean_of_places(tests);
         let glossy = |place: &Place, tests: f64| if place.is_glossy { tests } else { 0.0 };
-        let (Some(shape), schedule) = (self.shapes.of(kind), self.schedule(kind)) else { return };
+        let Some(jotons) = self.jotons_looked_at(traffic, kind) else { return };
+        let schedule = self.schedule(kind);
         let radius = schedule.radius(0) as f32;
-        let stored = f64::from(shape.emitted) * traffic.of(kind).stored;
-        let grid = Grid::new(self.scene.bounds, radius, shape.key_bits());
-        let jotons = Looked::new(grid, &traffic.stored[kind as usize], stored);
         let tests = |place: &Place| {
             let caustic = || caustic_radius(self.plan, place, &jotons);
             jotons.tests(place.position, if kind == MapKind::Caustic { caustic() } else { radius })

@@ -11,6 +11,7 @@ pub mod map_layout;
 mod pilot;
 mod skip;
 pub mod strips;
+mod technique;
 pub mod traffic;
 
 pub use features::Features;
@@ -35,6 +36,8 @@ pub struct Settings {
     pub paths: LightPaths,
     /// Shadow rays per gather point and pass.
     pub shadow_rays: u32,
+    /// Indirect light that paths found is shared with neighbours when a picture is made \[E29\].
+    pub resolve: bool,
     /// Bytes that a device's buffers may take together; none for as much as it allows.
     pub memory: Option<u64>,
     /// What is not skipped, whether the scene needs it or not.
@@ -54,7 +57,7 @@ pub const SHADOW_RAYS: u32 = 2;
 impl Default for Settings {
     fn default() -> Self {
         let (paths, shadow_rays) = (LightPaths::everything(), SHADOW_RAYS);
-        Self { seed: 0, paths, shadow_rays, memory: None, keep: Vec::new() }
+        Self { seed: 0, paths, shadow_rays, resolve: true, memory: None, keep: Vec::new() }
     }
 }
 
@@ -77,6 +80,10 @@ pub struct Plan {
     pub layers: [bool; LAYERS],
     /// What the kernels must be able to do.
     pub features: Features,
+    /// How light that was diffusely reflected before is found.
+    pub indirect: Indirect,
+    /// What paths find of it is shared with neighbours when a picture is made.
+    pub resolves: bool,
     /// Jotons emitted a pass for the caustic map; 0 where it is skipped.
     pub caustic_jotons: u32,
     /// Jotons emitted a pass for the diffuse map; 0 where it is skipped.
@@ -89,6 +96,25 @@ pub struct Plan {
     pub diffuse: Schedule,
     /// What is not done, and why.
     pub skipped: Vec<Skip>,
+}
+
+/// How light that was diffusely reflected before (the diffuse layer) is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Indirect {
+    /// By jotons: the diffuse map.
+    Map,
+    /// By eye paths that go on from their gather points \[E28\], smoothed over neighbours \[E29\].
+    Paths,
+}
+
+impl Indirect {
+    /// Name, lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Indirect::Map => "map",
+            Indirect::Paths => "paths",
+        }
+    }
 }
 
 /// How lights are picked and jotons steered, by what was learned \[E20\].
@@ -141,6 +167,7 @@ impl Plan {
             skips.must_skip(Part::OutOfReach, Reason::ClosedRoom);
         }
         let layers = layers(scene, &settings, &mut skips);
+        let indirect = indirect(scene, &layers, &settings, &seen, &mut skips);
         let features = Features::of(scene, &settings, &mut skips);
         if let [light] = &scene.emitters[..]
             && !light.has_area()
@@ -150,20 +177,22 @@ impl Plan {
             settings.shadow_rays = 1;
         }
         let traces = |layer: Layer| layers[layer as usize];
+        let has_diffuse_map = traces(Layer::Diffuse) && indirect == Indirect::Map;
+        let has_map_or_light = |layer: Layer| traces(layer) && (layer != Layer::Diffuse || has_diffuse_map);
         let Learned { guides, in_view, light_candidates } =
-            learned(scene, settings.seed, &seen, traces, &mut skips);
+            learned(scene, settings.seed, &seen, has_map_or_light, &mut skips);
 
-        let few = (traces(Layer::Caustic) || traces(Layer::Diffuse))
+        let few = (traces(Layer::Caustic) || has_diffuse_map)
             && seen.share() < BACKGROUND
             && skips.skip(Part::Background, Reason::MuchBackground);
         let pixels = (scene.pixels() as f64 * if few { seen.share() } else { 1.0 }) as u32;
-        let jotons = |layer: Layer, n: u32, [least, most]: [u32; 2]| {
-            if traces(layer) { n.clamp(least, most) } else { 0 }
+        let jotons = |is_traced: bool, n: u32, [least, most]: [u32; 2]| {
+            if is_traced { n.clamp(least, most) } else { 0 }
         };
         let diffuse_wanted = (pixels / 4 * 3).clamp(DIFFUSE_JOTONS[0], DIFFUSE_JOTONS[1]);
-        let diffuse_jotons = jotons(Layer::Diffuse, diffuse_wanted, DIFFUSE_JOTONS);
+        let diffuse_jotons = jotons(has_diffuse_map, diffuse_wanted, DIFFUSE_JOTONS);
         let caustic_share = if pilot::aimed(scene, &guides.caustic) { pixels / 2 } else { pixels };
-        let caustic_jotons = jotons(Layer::Caustic, caustic_share, CAUSTIC_JOTONS);
+        let caustic_jotons = jotons(traces(Layer::Caustic), caustic_share, CAUSTIC_JOTONS);
         let per_joton = (DIFFUSE_REFERENCE_JOTONS / f64::from(diffuse_wanted)).sqrt();
         let footprint = f64::from(pilot.footprint_median);
         let image_width = footprint * f64::from(scene.size[0]);
@@ -182,6 +211,7 @@ impl Plan {
             Arc::default()
         };
         Self {
+            resolves: indirect == Indirect::Paths && settings.resolve,
             settings,
             caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
             guides: Arc::new(guides),
@@ -190,6 +220,7 @@ impl Plan {
             lamp_images,
             layers,
             features,
+            indirect,
             caustic_jotons,
             diffuse_jotons,
             caustic: Schedule { base: caustic, alpha: ALPHA },
@@ -205,6 +236,16 @@ impl Plan {
             MapKind::Caustic => self.caustic_jotons,
             MapKind::Diffuse => self.diffuse_jotons,
         }
+    }
+
+    /// True where a map is traced.
+    pub fn has_map(&self, kind: MapKind) -> bool {
+        self.jotons(kind) > 0
+    }
+
+    /// True where eye paths go on from their gather points.
+    pub fn has_indirect_paths(&self) -> bool {
+        self.indirect == Indirect::Paths && self.traces(Layer::Diffuse)
     }
 
     /// Emit half as many jotons for a map, with the radius that goes with them: a disc holds as many.
@@ -224,7 +265,7 @@ impl Plan {
     /// How much the radii blur the maps in a pass: the squared radius, relative to the first pass; 0 without a map.
     pub fn blur(&self, pass: u64) -> f64 {
         // both shrink alike
-        let has_map = self.traces(Layer::Caustic) || self.traces(Layer::Diffuse);
+        let has_map = MapKind::ALL.into_iter().any(|kind| self.has_map(kind));
         if has_map { shrink(ALPHA, pass) } else { 0.0 }
     }
 
@@ -275,6 +316,28 @@ fn layers(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> [bool;
             None => true,
         }
     })
+}
+
+/// How indirect light is found.
+fn indirect(
+    scene: &PackedScene,
+    layers: &[bool; LAYERS],
+    settings: &Settings,
+    seen: &VisiblePoints,
+    skips: &mut Skips,
+) -> Indirect {
+    let [_, _, caustic, diffuse] = *layers;
+    // paths need the caustic map, unless no light can be in it
+    let is_dark = |s: &Skip| s.what == Part::CausticMap && s.why != Reason::ExcludedByPaths;
+    let can_go_on = diffuse && (caustic || skips.skipped.iter().any(is_dark));
+    if can_go_on
+        && technique::choose(scene, settings.seed, seen, caustic) == Indirect::Paths
+        && skips.skip(Part::DiffuseMap, Reason::PathsServe)
+    {
+        Indirect::Paths
+    } else {
+        Indirect::Map
+    }
 }
 
 /// What is learned of a scene.

@@ -94,6 +94,8 @@ pub enum Reason {
     MuchBackground,
     /// Pixels whose passes are all alike are looked at less often.
     NothingChanges,
+    /// Eye paths that go on, shared with neighbours, find the same light with less error.
+    PathsServe,
 }
 
 /// Something that is not done.
@@ -226,6 +228,9 @@ impl Reason {
             Reason::JotonsElsewhere => "of those that no pixel will read one in eight is stored for all",
             Reason::MuchBackground => "as many jotons are traced as there are pixels that see a surface",
             Reason::NothingChanges => "they are looked at in one pass of some, which counts as many",
+            Reason::PathsServe => {
+                "eye paths that go on, shared with neighbours, find its light with less error"
+            }
         }
     }
 
@@ -254,6 +259,7 @@ impl Reason {
             Reason::JotonsElsewhere => "a view of more of the surfaces",
             Reason::MuchBackground => "a view with less background",
             Reason::NothingChanges => "something in view of them",
+            Reason::PathsServe => "a lamp that eye paths hardly find",
         }
     }
 }

@@ -4,7 +4,6 @@
 use super::Plan;
 use super::discs::{Place, is_cut};
 use crate::estimators::maps::MapKind;
-use crate::film::Layer;
 use crate::optics::lights::le;
 use crate::optics::lights::pick::{aimed, by_law, sample_light};
 use crate::optics::lights::samples::Start;
@@ -12,10 +11,10 @@ use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
-use crate::packed::constants::{NEAR_EMITTERS_MAX, UNSEEN_STORED};
+use crate::packed::constants::{NEAR_EMITTERS_MAX, SURE_EVENTS, SURVIVAL_MAX, UNSEEN_STORED};
 use crate::sampling::rng::purpose::{DIMENSION_TRAFFIC, STREAM_TRAFFIC};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
-use crate::spectrum::{BANDS, Bands};
+use crate::spectrum::{BANDS, Bands, max, mul, scale};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -33,7 +32,7 @@ pub struct Mean {
     pub rays: f64,
     /// Nodes and triangles that these look at.
     pub steps: f64,
-    /// Jotons stored; of camera paths the part that ends in a gather point.
+    /// Jotons stored; of camera paths the part that ends in a gather point; surfaces where paths that go on look for light.
     pub stored: f64,
     /// Part of the camera paths that see a light through a mirror or glass.
     pub glints: f64,
@@ -55,12 +54,16 @@ pub struct Traffic {
     pub camera: Mean,
     /// Of a camera path, the rays of one light sample: a shadow ray, and one of the surface's lobes where these are asked, too.
     pub shadow: Mean,
+    /// Of a camera path, what goes on from its gather point, shadow rays included.
+    pub indirect: Mean,
     /// Jotons of the caustic map.
     pub caustic: Mean,
     /// Jotons of the diffuse map.
     pub diffuse: Mean,
     /// Where camera paths end; paths that end nowhere have none.
     pub places: Vec<Place>,
+    /// Where paths that go on look for light.
+    pub indirect_places: Vec<Place>,
     /// Camera paths.
     pub camera_paths: u32,
     /// Where the jotons of each map are stored.
@@ -81,6 +84,8 @@ struct Followed {
     mean: Mean,
     shadow: Mean,
     place: Option<Place>,
+    indirect: Mean,
+    indirect_places: Vec<Place>,
     stored: Vec<Vec3>,
 }
 
@@ -95,16 +100,18 @@ impl Traffic {
             (all, mean)
         };
         let (seen, camera) = all(Path::Camera);
-        let jotons = |layer, path| if plan.traces(layer) { all(path) } else { Default::default() };
+        let jotons = |kind, path| if plan.has_map(kind) { all(path) } else { Default::default() };
         let (caustic, diffuse) =
-            (jotons(Layer::Caustic, Path::Caustic), jotons(Layer::Diffuse, Path::Diffuse));
+            (jotons(MapKind::Caustic, Path::Caustic), jotons(MapKind::Diffuse, Path::Diffuse));
         let places = |all: Vec<Followed>| all.into_iter().flat_map(|one| one.stored).collect();
         Self {
             camera,
             shadow: mean(seen.iter().map(|one| one.shadow), PATHS[0]),
+            indirect: mean(seen.iter().map(|one| one.indirect), PATHS[0]),
             caustic: caustic.1,
             diffuse: diffuse.1,
             places: seen.iter().filter_map(|one| one.place).collect(),
+            indirect_places: seen.iter().flat_map(|one| &one.indirect_places).copied().collect(),
             camera_paths: PATHS[0],
             stored: [places(caustic.0), places(diffuse.0)],
         }
@@ -120,7 +127,16 @@ impl Traffic {
 
     /// Mean over the pixels of what each place comes to.
     pub(super) fn mean_of_places(&self, of: impl Fn(&Place) -> f64) -> f64 {
-        self.places.iter().map(of).sum::<f64>() / f64::from(self.camera_paths.max(1))
+        self.mean_of(&self.places, of)
+    }
+
+    /// The same of the places of paths that go on.
+    pub(super) fn mean_of_indirect_places(&self, of: impl Fn(&Place) -> f64) -> f64 {
+        self.mean_of(&self.indirect_places, of)
+    }
+
+    fn mean_of(&self, places: &[Place], of: impl Fn(&Place) -> f64) -> f64 {
+        places.iter().map(of).sum::<f64>() / f64::from(self.camera_paths.max(1))
     }
 }
 
@@ -197,9 +213,13 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
                     position: s.position,
                     footprint: length * scene.pixel_angle(),
                     is_glossy: probabilities.bsdf.scatter.varies(),
-                    is_cut: event > 0 || plan.traces(Layer::Diffuse) && is_cut(scene, &s, radius),
+                    is_cut: event > 0 || plan.has_map(MapKind::Diffuse) && is_cut(scene, &s, radius),
                 });
                 found.shadow = shadow(scene, plan, &s, &probabilities.bsdf, [u0, u1, u_lobe]);
+                if plan.has_indirect_paths() {
+                    let from = (s, probabilities.bsdf);
+                    (found.indirect, found.indirect_places) = indirect(scene, plan, from, length, number);
+                }
             }
             break;
         }
@@ -210,6 +230,71 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         ray = s.leave(w);
     }
     found
+}
+
+/// What a path does that goes on from its gather point, and where it looks for light.
+fn indirect<'a>(
+    scene: &'a PackedScene,
+    plan: &Plan,
+    mut from: (SurfaceInteraction<'a>, Bsdf),
+    mut length: f32,
+    number: u32,
+) -> (Mean, Vec<Place>) {
+    let (mut found, mut places) = (Mean::default(), Vec::new());
+    // what the path carries at the surface that it leaves
+    let mut carried = [1.0; BANDS];
+    let mut draws = 0;
+    let mut draw = || {
+        draws += 1;
+        // kinds of paths that start somewhere have the numbers below
+        random4(plan.settings.seed, PATHS.len() as u32, number, DIMENSION_TRAFFIC + draws)
+    };
+    for vertex in 0..EVENTS_MAX {
+        let (s, bsdf) = &from;
+        let [u_lobe, u0, u1, u_survive] = draw();
+        let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| wi.dot(s.ng) > 0.0);
+        let Some(wi) = leaving else { break };
+        let left = mul(&carried, &bsdf.weight_scatter(wi));
+        let limit = if vertex < SURE_EVENTS { 1.0 } else { SURVIVAL_MAX };
+        let survives = if vertex == 0 { 1.0 } else { (max(&left) / max(&carried)).min(limit) };
+        if max(&left) <= 0.0 || u_survive >= survives {
+            break;
+        }
+        carried = scale(&left, 1.0 / survives);
+        let mut ray = s.leave(wi);
+        let next = (0..EVENTS_MAX).find_map(|event| {
+            found.rays += 1.0;
+            found.steps += steps(scene, &ray, f32::INFINITY, false);
+            let Some(s) = SurfaceInteraction::hit(scene, &ray) else { return Some(None) };
+            length += s.distance;
+            let probabilities = EventProbabilities::new(&s, &carried, event);
+            let kept: f32 = probabilities.ways.iter().sum();
+            let [u_way, u0, u1, u_lobe] = draw();
+            let Some(way) = probabilities.choose(u_way * kept) else { return Some(None) };
+            if way == SCATTERED {
+                return Some(Some((s, probabilities.bsdf)));
+            }
+            let Some(w) = probabilities.direction(way, u_lobe, [u0, u1]) else { return Some(None) };
+            carried = probabilities.carried(way, &carried);
+            ray = s.leave(w);
+            None
+        });
+        let Some(Some(next)) = next else { break };
+        let (s, bsdf) = &next;
+        let [u0, u1, u_lobe, _] = draw();
+        let light = shadow(scene, plan, s, bsdf, [u0, u1, u_lobe]);
+        found.rays += light.rays;
+        found.steps += light.steps;
+        found.stored += 1.0;
+        places.push(Place {
+            position: s.position,
+            footprint: length * scene.pixel_angle(),
+            is_glossy: bsdf.scatter.varies(),
+            is_cut: false,
+        });
+        from = next;
+    }
+    (found, places)
 }
 
 /// The rays of a light sample at a surface.

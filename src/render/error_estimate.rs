@@ -5,8 +5,9 @@
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
 use crate::film::tile_schedule::{Run, TileSchedule};
-use crate::film::{Film, LAYERS, Layer, Picture, RELATIVE_OFFSET, SAMPLES_MAX};
-use crate::spectrum::BANDS;
+use crate::film::{Film, LAYERS, Layer, RELATIVE_OFFSET, SAMPLES_MAX, half};
+use crate::resolve::Resolved;
+use crate::spectrum::{BANDS, Bands};
 use rayon::prelude::*;
 
 /// Blocks across and down whose spread tells how sure the squared bias is.
@@ -81,7 +82,30 @@ pub(crate) struct ErrorEstimator {
     /// Passes and error when `early` was renewed.
     before: Option<(u64, ErrorEstimate)>,
     lines: [Line; 2],
+    /// The diffuse layer is resolved: its own passes say nothing of the picture.
+    resolves: bool,
+    /// What it was like when it was resolved last.
+    smooth: Option<Smooth>,
 }
+
+/// A resolved layer in the pixels that tell the error.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+struct Smooth {
+    /// After so many passes.
+    passes: u64,
+    radiance: Vec<Bands>,
+    /// Variance and squared bias.
+    squared_error: Vec<[f32; 2]>,
+}
+
+/// Exponent of the passes with which the squared error of a resolved layer falls, until it is resolved again.
+const SMOOTH_RATE: f64 = 0.7;
+/// Factor on its variance: what was chosen is the least of some that are estimated.
+const SMOOTH_NOISE_SAFETY: f64 = 4.0;
+/// Width of an image, pixels, that errors shared among neighbours hang together over.
+const SMOOTH_WIDTH: f64 = 16.0;
+/// Factor on its squared bias: what is smaller than the noise of the finest kernels does not show.
+const SMOOTH_SAFETY: f64 = 3.0;
 
 /// Relative errors, root mean square over pixels and bands.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -110,13 +134,14 @@ impl Line {
         &mut self,
         lattice: &Lattice,
         passes: u64,
+        maps: &[Layer],
         layers: &[Vec<[f32; BANDS]>; LAYERS],
         blur: f64,
         runs: &[Run],
     ) {
         self.radiance.resize(lattice.len(), [0.0; BANDS]);
         self.blurred.resize(lattice.len(), [0.0; BANDS]);
-        for layer in [Layer::Caustic, Layer::Diffuse].map(|l| &layers[l as usize]) {
+        for layer in maps.iter().map(|l| &layers[*l as usize]) {
             if layer.is_empty() {
                 continue;
             }
@@ -164,6 +189,8 @@ impl ErrorEstimator {
             early_passes: 0,
             before: None,
             lines: Default::default(),
+            resolves: false,
+            smooth: None,
         }
     }
 
@@ -173,12 +200,14 @@ impl ErrorEstimator {
         if first.is_power_of_two() {
             self.before = self.error().map(|e| (first, e));
             let samples = 0..self.lattice.len();
-            self.early = samples.map(|s| self.film.sum_of_layers(self.lattice.pixel(s))).collect();
+            self.early = samples.map(|s| self.sum(self.lattice.pixel(s))).collect();
             self.early_passes = first;
         }
         if blur > 0.0 {
             let runs = self.film.tile_schedule().runs(first, passes);
-            self.lines[half(first)].add(&self.lattice, passes, layers, blur, &runs);
+            let maps = [Layer::Caustic, Layer::Diffuse];
+            let maps = if self.resolves { &maps[..1] } else { &maps };
+            self.lines[half(first)].add(&self.lattice, passes, maps, layers, blur, &runs);
         }
         self.film.add(passes, layers);
     }
@@ -188,14 +217,40 @@ impl ErrorEstimator {
         self.film.set_tile_schedule(schedule);
     }
 
+    /// From the first pass on, the diffuse layer is resolved.
+    pub(crate) fn set_resolves(&mut self) {
+        self.resolves = true;
+        self.film.keep_halves();
+    }
+
+    /// The layer as it was resolved now.
+    pub(crate) fn set_resolved(&mut self, resolved: &Resolved) {
+        let pixels = || (0..self.lattice.len()).map(|sample| self.lattice.pixel(sample));
+        self.smooth = Some(Smooth {
+            passes: self.film.passes(),
+            radiance: pixels().map(|p| resolved.radiance[p]).collect(),
+            squared_error: pixels().map(|p| resolved.squared_error[p]).collect(),
+        });
+    }
+
+    /// Passes when it was resolved last.
+    pub(crate) fn resolved_at(&self) -> Option<u64> {
+        self.smooth.as_ref().map(|smooth| smooth.passes)
+    }
+
+    /// Sum over the passes of the layers whose passes are compared.
+    fn sum(&self, pixel: usize) -> [f64; BANDS] {
+        let all = self.film.sum_of_layers(pixel);
+        if !self.resolves {
+            return all;
+        }
+        let diffuse = self.film.sum(Layer::Diffuse as usize, pixel);
+        std::array::from_fn(|b| all[b] - diffuse[b])
+    }
+
     /// All passes.
     pub(crate) fn film(&self) -> &Film {
         &self.film
-    }
-
-    /// The mean of all passes.
-    pub(crate) fn picture(&self) -> Picture {
-        self.film.picture()
     }
 
     /// The error of the mean of all passes; none before there are two. While the later passes are less than half as many as
@@ -203,17 +258,22 @@ impl ErrorEstimator {
     pub(crate) fn error(&self) -> Option<ErrorEstimate> {
         let passes = self.film.passes();
         let early = self.early_passes;
-        if early == 0 {
+        if early == 0 || self.resolves && self.smooth.is_none() {
             return None;
         }
         let found = match self.before {
-            Some((n, before)) if 2 * (passes - early) < early => {
+            Some((n, before)) if 2 * (passes - early) < early && !self.is_fresh() => {
                 let part = (n as f64 / passes as f64).sqrt();
                 ErrorEstimate { total: before.total * part, noise: before.noise * part, bias: before.bias }
             }
             _ => self.measured_error(),
         };
         Some(found)
+    }
+
+    /// True where the layer was resolved after the last pass.
+    fn is_fresh(&self) -> bool {
+        self.resolved_at() == Some(self.film.passes())
     }
 
     fn measured_error(&self) -> ErrorEstimate {
@@ -223,22 +283,33 @@ impl ErrorEstimator {
         let share = a * b / (all * all);
         let slopes = self.lines.each_ref().map(Line::slope);
         let mean_blur = self.lines.iter().map(|l| l.moments[0]).sum::<f64>() / all;
+        let smooth_scale = self.smooth.as_ref().map_or(0.0, |s| (s.passes as f64 / all).powf(SMOOTH_RATE));
         let trust = (TRUSTING_PASSES / all).min(1.0);
         let [width, height] = self.lattice.size;
         // noise and squared bias of each row, the latter by blocks across
-        let rows: Vec<(f64, [f64; BLOCKS])> = (0..height)
+        let rows: Vec<(f64, [f64; BLOCKS], [f64; 2])> = (0..height)
             .into_par_iter()
             .map(|y| {
-                let (mut noise, mut bias) = (0.0, [0.0; BLOCKS]);
+                let (mut noise, mut bias, mut smooth_noise, mut smooth_bias) = (0.0, [0.0; BLOCKS], 0.0, 0.0);
                 for x in 0..width {
                     let p = y * width + x;
-                    let (early, sum) = (self.early[p], self.film.sum_of_layers(self.lattice.pixel(p)));
+                    let (early, sum) = (self.early[p], self.sum(self.lattice.pixel(p)));
+                    let smooth = self.smooth.as_ref().map(|s| (s.radiance[p], s.squared_error[p]));
+                    let (resolved, [variance, of_bias]) = smooth.unwrap_or_default();
+                    // errors are means over the bands, and as large in each as its light
+                    let square_mean =
+                        resolved.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / BANDS as f64;
                     for i in 0..BANDS {
                         let means = [early[i] / a, (sum[i] - early[i]) / b];
-                        let mean = sum[i] / all;
-                        let weight = trust / (mean * mean + RELATIVE_OFFSET)
-                            + (1.0 - trust) / (common_square(means[0], means[1]) + RELATIVE_OFFSET);
+                        let with = f64::from(resolved[i]);
+                        let square = (sum[i] / all + with).powi(2);
+                        let common = common_square(means[0] + with, means[1] + with);
+                        let weight =
+                            trust / (square + RELATIVE_OFFSET) + (1.0 - trust) / (common + RELATIVE_OFFSET);
                         noise += (means[0] - means[1]).powi(2) * share * weight;
+                        let part = if square_mean > 0.0 { with * with / square_mean } else { 1.0 };
+                        smooth_noise += smooth_scale * f64::from(variance) * part * weight;
+                        smooth_bias += smooth_scale * f64::from(of_bias) * part * weight;
                         if let [Some(first), Some(second)] = slopes {
                             let slope = |line: &Line, [p_factor, q_factor]: [f64; 2]| {
                                 p_factor * line.blurred[p][i] - q_factor * line.radiance[p][i]
@@ -252,11 +323,11 @@ impl ErrorEstimator {
                         }
                     }
                 }
-                (noise, bias)
+                (noise, bias, [smooth_noise, smooth_bias])
             })
             .collect();
         let mut blocks = [0.0; BLOCKS * BLOCKS];
-        for (y, (_, bias)) in rows.iter().enumerate() {
+        for (y, (_, bias, _)) in rows.iter().enumerate() {
             for (x, b) in bias.iter().enumerate() {
                 blocks[y * BLOCKS / height * BLOCKS + x] += b;
             }
@@ -264,21 +335,20 @@ impl ErrorEstimator {
         let values = (width * height * BANDS) as f64;
         let noise_squared = rows.iter().map(|r| r.0).sum::<f64>() / values;
         let bias_squared = credible(&blocks) / values;
-        let believed = ((1.0 - trust) * bias_squared).min(noise_squared);
+        let believed = (1.0 - trust) * bias_squared;
+        let smooth = |i: usize| rows.iter().map(|r| r.2[i]).sum::<f64>() / values;
+        let [smooth_noise, smooth_bias] = [smooth(0), smooth(1)];
+        // shared errors hang together: small images have few that could make up for each other
+        let few = 1.0 + SMOOTH_WIDTH / ((width * height) as f64).sqrt();
+        let total = NOISE_SAFETY * noise_squared
+            + BIAS_SAFETY * believed
+            + SMOOTH_NOISE_SAFETY * few * smooth_noise
+            + SMOOTH_SAFETY * smooth_bias;
         ErrorEstimate {
-            total: (NOISE_SAFETY * noise_squared + BIAS_SAFETY * believed).sqrt(),
-            noise: noise_squared.sqrt(),
-            bias: bias_squared.sqrt(),
+            total: total.sqrt(),
+            noise: (noise_squared + smooth_noise).sqrt(),
+            bias: (bias_squared + smooth_bias).sqrt(),
         }
-    }
-}
-
-/// The line that a pass belongs to, from its first bit after the leading one: 0 | 1 | 2 | 3 | 4 5 | 6 7 | 8 9 10 11 | 12 …
-/// Both have passes of all radii, and runs of them, which are spread evenly over the Sobol sequences.
-fn half(pass: u64) -> usize {
-    match pass {
-        0 | 1 => pass as usize,
-        _ => (pass >> (pass.ilog2() - 1) & 1) as usize,
     }
 }
 
@@ -366,8 +436,8 @@ mod tests {
                 assert!((line - wanted).abs() < 0.11, "sample {sample}, step {step}: {line}, {wanted}");
             }
             assert_eq!(
-                estimator.picture().whole,
-                sampled(ErrorEstimator::new(SIZE), 16, |_| 1.0, at).picture().whole
+                estimator.film().picture().whole,
+                sampled(ErrorEstimator::new(SIZE), 16, |_| 1.0, at).film().picture().whole
             );
             let even = |n: u64, p: usize| 2.0 + 0.1 * uniform(n, p);
             let estimator = sampled(ErrorEstimator::with_samples(SIZE, most), 16, |_| 1.0, even);

@@ -8,9 +8,12 @@ mod static_tiles;
 
 use crate::backend::{Backend, Tally};
 use crate::error::Result;
-use crate::film::Picture;
+use crate::film::{Film, Layer, Picture};
 use crate::render::error_estimate::ErrorEstimator;
+use crate::resolve::{Resolved, Resolver};
+use crate::spectrum::{BLACK, add};
 pub use error_estimate::ErrorEstimate;
+use state::Clock;
 pub use state::RenderState;
 
 /// When to stop; the first that is met. None at all: until the error estimate is [`DEFAULT_ERROR`], at most
@@ -73,13 +76,62 @@ pub struct Progress<'a> {
     /// Sums of all counts so far.
     pub tally: &'a Tally,
     estimator: &'a ErrorEstimator,
+    resolver: Option<&'a Resolver>,
+}
+
+/// Share the indirect light of a film among neighbours.
+fn resolve(resolver: &Resolver, film: &Film) -> Option<Resolved> {
+    let halves = film.halves()?;
+    let [a, b] = &halves.means;
+    Some(resolver.resolve([a, b], halves.parts))
+}
+
+/// The picture of a film, with its indirect light as it was resolved.
+fn picture(film: &Film, resolved: Option<&Resolved>) -> Picture {
+    let mut picture = film.picture();
+    if let Some(resolved) = resolved {
+        let layer = &mut picture.layers[Layer::Diffuse as usize];
+        picture.unresolved = Some(layer.clone());
+        layer.pixels.copy_from_slice(&resolved.radiance);
+        for (pixel, whole) in picture.whole.pixels.iter_mut().enumerate() {
+            *whole = picture.layers.iter().fold(BLACK, |sum, layer| add(&sum, &layer.pixels[pixel]));
+        }
+    }
+    picture
 }
 
 impl Progress<'_> {
-    /// The mean of the passes so far. Computed for who asks; the time that takes is not counted as rendering.
+    /// The mean of the passes so far, resolved. Computed for who asks; the time that takes is not counted as rendering.
     pub fn picture(&self) -> Picture {
-        self.estimator.picture()
+        self.look().picture
     }
+
+    /// The same, and what is known of it.
+    pub fn look(&self) -> Look {
+        let clock = Clock::start();
+        let mut estimator = std::borrow::Cow::Borrowed(self.estimator);
+        let resolved = self.resolver.and_then(|r| resolve(r, self.estimator.film()));
+        if let Some(resolved) = &resolved {
+            estimator.to_mut().set_resolved(resolved);
+        }
+        let picture = picture(self.estimator.film(), resolved.as_ref());
+        let [seconds, cpu_seconds] = clock.read();
+        let error = if resolved.is_some() { estimator.error() } else { self.error };
+        Look { picture, error, seconds, cpu_seconds }
+    }
+}
+
+/// A picture that was asked for while rendering.
+#[derive(Debug, Clone)]
+pub struct Look {
+    /// The mean of the passes so far.
+    pub picture: Picture,
+    /// Estimate of its error.
+    pub error: Option<ErrorEstimate>,
+    /// Seconds that it took to make.
+    pub seconds: f64,
+    /// Processor seconds of all threads.
+    pub cpu_seconds: f64,
 }
 
 /// A finished render.

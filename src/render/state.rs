@@ -1,6 +1,6 @@
 //! State: what a render has found so far, and the loop that goes on from there.
 
-use super::{DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, Stop};
+use super::{DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, Stop, picture, resolve};
 use crate::backend::{Backend, PASSES_MAX, Tally, guarded};
 use crate::error::Result;
 use crate::estimators::split_paths::{self, SplitPaths};
@@ -8,7 +8,9 @@ use crate::film::Layer;
 use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
 use crate::render::error_estimate::{self, ErrorEstimate, ErrorEstimator};
 use crate::render::static_tiles::StaticTiles;
+use crate::resolve::{Resolved, Resolver};
 use crate::spectrum::BANDS;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Passes before an error estimate is trusted.
@@ -31,6 +33,12 @@ pub struct RenderState {
     /// Seconds of rendering, and processor seconds of all threads.
     reading: [f64; 2],
     failures: Vec<Failure>,
+    /// Smooths pictures.
+    #[serde(skip)]
+    resolver: Option<Arc<Resolver>>,
+    /// The last that was.
+    #[serde(skip)]
+    resolved: Option<Resolved>,
 }
 
 impl RenderState {
@@ -48,6 +56,8 @@ impl RenderState {
             error: None,
             reading: [0.0; 2],
             failures: Vec::new(),
+            resolver: None,
+            resolved: None,
         }
     }
 
@@ -97,6 +107,7 @@ impl RenderState {
         } else {
             stop
         };
+        self.resolver = backend.resolver();
         if self.passes > 0
             && let Some(reason) = self.reason(stop, true)
         {
@@ -108,6 +119,9 @@ impl RenderState {
         loop {
             let count = self.batch_passes(backend, stop);
             let added = self.add_batch(backend, count);
+            if stop.error.is_some() {
+                self.renew_estimate(stop);
+            }
             self.reading = clock.read();
             added?;
             let go_on = watch(&self.progress(stop));
@@ -122,6 +136,9 @@ impl RenderState {
     fn set_up(&mut self, backend: &mut dyn Backend) -> Result<()> {
         let can_rest = backend.set_tile_schedule(&TileSchedule::none(self.size));
         if self.passes == 0 {
+            if self.resolver.is_some() {
+                self.sums.set_resolves();
+            }
             self.static_tiles = can_rest.then(|| StaticTiles::new(self.size));
             return Ok(());
         }
@@ -193,6 +210,22 @@ impl RenderState {
         Ok(())
     }
 
+    /// Where the picture is resolved, its error is known when it is: at powers of four of passes, and where it may be small enough.
+    fn renew_estimate(&mut self, stop: Stop) {
+        let Some(resolver) = &self.resolver else { return };
+        let passes = self.passes;
+        let is_due = passes >= ERROR_PASSES && passes.is_power_of_two() && passes.ilog2().is_multiple_of(2);
+        let may_stop = self.error.is_some_and(|e| stop.error.is_some_and(|limit| e.total <= limit));
+        let is_known = self.sums.resolved_at() == Some(passes);
+        if (is_due || may_stop) && !is_known {
+            self.resolved = resolve(resolver, self.sums.film());
+            if let Some(resolved) = &self.resolved {
+                self.sums.set_resolved(resolved);
+                self.error = self.sums.error();
+            }
+        }
+    }
+
     fn progress(&self, stop: Stop) -> Progress<'_> {
         let [seconds, cpu_seconds] = self.reading;
         let part = |value: f64, limit: Option<f64>| limit.map_or(0.0, |l| value / l);
@@ -203,7 +236,16 @@ impl RenderState {
         let by_passes = part(self.passes as f64, stop.passes.map(|p| p as f64));
         let done = by_passes.max(part(seconds, stop.seconds)).max(by_error).min(1.0);
         let (passes, error) = (self.passes, self.error);
-        Progress { passes, seconds, error, done, cpu_seconds, tally: &self.tally, estimator: &self.sums }
+        Progress {
+            passes,
+            seconds,
+            error,
+            done,
+            cpu_seconds,
+            tally: &self.tally,
+            estimator: &self.sums,
+            resolver: self.resolver.as_deref(),
+        }
     }
 
     /// Why to stop here, if so.
@@ -223,15 +265,22 @@ impl RenderState {
     }
 
     /// The picture of the passes so far, and what is known of it.
-    pub fn finish(self, reason: Reason) -> Rendered {
-        let [seconds, cpu_seconds] = self.reading;
-        let error_estimate = if self.passes < ERROR_PASSES || is_estimated(self.passes) {
-            self.error
-        } else {
-            self.sums.error()
-        };
+    pub fn finish(mut self, reason: Reason) -> Rendered {
+        let clock = Clock::start();
+        let passes = self.passes;
+        if self.sums.resolved_at() != Some(passes) || self.resolved.is_none() {
+            self.resolved = self.resolver.as_ref().and_then(|r| resolve(r, self.sums.film()));
+            if let Some(resolved) = &self.resolved {
+                self.sums.set_resolved(resolved);
+            }
+        }
+        let picture = picture(self.sums.film(), self.resolved.as_ref());
+        let is_known = self.resolved.is_none() && (passes < ERROR_PASSES || is_estimated(passes));
+        let error_estimate = if is_known { self.error } else { self.sums.error() };
+        let spent = clock.read();
+        let [seconds, cpu_seconds] = [0, 1].map(|i| self.reading[i] + spent[i]);
         Rendered {
-            picture: self.sums.picture(),
+            picture,
             passes: self.passes,
             seconds,
             cpu_seconds,
@@ -295,19 +344,19 @@ impl Imbalance {
 
 /// Seconds of rendering, without what the watcher does in between.
 #[derive(Debug)]
-struct Clock {
+pub(super) struct Clock {
     since: Instant,
     cpu_since: cpu_time::ProcessTime,
     before: [f64; 2],
 }
 
 impl Clock {
-    fn start() -> Self {
+    pub(super) fn start() -> Self {
         Self { since: Instant::now(), cpu_since: cpu_time::ProcessTime::now(), before: [0.0; 2] }
     }
 
     /// Seconds, and processor seconds of all threads.
-    fn read(&self) -> [f64; 2] {
+    pub(super) fn read(&self) -> [f64; 2] {
         let now = [self.since.elapsed(), self.cpu_since.elapsed()].map(|d| d.as_secs_f64());
         [self.before[0] + now[0], self.before[1] + now[1]]
     }

@@ -97,6 +97,10 @@ pub mod purpose {
     pub const STREAM_LAMP_IMAGES_DIRECTION: u32 = 0x231;
     /// The device's area points, one scatter a group of passes.
     pub const STREAM_AREA: u32 = 0x100;
+    /// Place in the pixel of a path that looks what the pixel shows.
+    pub const STREAM_PATCH: u32 = 0x240;
+    /// First direction of a path that tells how noisy paths are.
+    pub const STREAM_TECHNIQUE: u32 = 0x250;
     /// The pass in which a pixel has its tree.
     pub const STREAM_TURN: u32 = 0x7475_726e;
 
@@ -118,9 +122,15 @@ pub mod purpose {
     pub const DIMENSION_LAMP_IMAGES: u32 = 0x18_0000;
     /// How its start is changed.
     pub const DIMENSION_LAMP_CHANGES: u32 = 0x19_0000;
+    /// Events of a path that looks what a pixel shows.
+    pub const DIMENSION_PATCH: u32 = 0x1a_0000;
+    /// Events of a path that tells how noisy paths are.
+    pub const DIMENSION_TECHNIQUE: u32 = 0x1b_0000;
 
     /// All streams.
-    pub const STREAMS: [u32; 12] = [
+    pub const STREAMS: [u32; 14] = [
+        STREAM_TECHNIQUE,
+        STREAM_PATCH,
         STREAM_SEEN,
         STREAM_TRAFFIC[0],
         STREAM_TRAFFIC[1],
@@ -135,7 +145,9 @@ pub mod purpose {
         STREAM_TURN,
     ];
     /// All first dimensions.
-    pub const DIMENSIONS: [u32; 10] = [
+    pub const DIMENSIONS: [u32; 12] = [
+        DIMENSION_TECHNIQUE,
+        DIMENSION_PATCH,
         DIMENSION_SEEN,
         DIMENSION_LEARN[0],
         DIMENSION_LEARN[1],

@@ -29,104 +29,137 @@ pub(super) fn light(
     tally: &mut Tally,
 ) -> Bands {
     let settings = &plan.settings;
-    let lights = plan.guides.direct.emitters(&scene.emitters);
+    let direct = Direct::at(scene, plan, g, true);
     let count = settings.shadow_rays;
-    let shared = g.bsdf.scatter.varies() || near_emitter(lights, g.position);
     let mut sum = BLACK;
     for ray in 0..count {
-        let is_drawn = shared || plan.light_candidates > 1;
-        let u = if is_drawn { random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray) } else { [0.0; 4] };
+        let u =
+            if direct.draws() { random4(settings.seed, pass, pixel, DIMENSION_BSDF + ray) } else { [0.0; 4] };
         let [pass, count, ray, number] = [pass, count, ray, plan.light_candidates].map(u64::from);
         let first = (pass * count + ray) * number;
         let candidates = (0..plan.light_candidates)
             .map(|k| sequence2(first + u64::from(k), settings.seed, pixel, STREAM_LIGHT));
-        sum = add(&sum, &by_light(scene, lights, g, candidates, u[3], shared, tally));
-        if shared {
-            sum = add(&sum, &by_bsdf(scene, lights, g, u, plan.light_candidates as f32, tally));
-        }
+        sum = add(&sum, &direct.sample(candidates, u, tally));
     }
     scale(&mul(&sum, &g.throughput), 1.0 / count as f32)
+}
+
+/// Direct light at a place: what is the same for all of its samples.
+pub(super) struct Direct<'a> {
+    scene: &'a PackedScene,
+    lights: &'a [PackedEmitter],
+    g: &'a GatherPoint<'a>,
+    /// Light samples of which one gets a shadow ray.
+    number: u32,
+    /// Shadow rays share their weight with BSDF samples.
+    shared: bool,
+    /// Narrow lobes, too, show lights without area.
+    with_narrow: bool,
+}
+
+impl<'a> Direct<'a> {
+    /// At a gather point.
+    pub(super) fn at(
+        scene: &'a PackedScene,
+        plan: &'a Plan,
+        g: &'a GatherPoint<'a>,
+        with_narrow: bool,
+    ) -> Self {
+        let lights = plan.guides.direct.emitters(&scene.emitters);
+        let shared = g.bsdf.scatter.varies() || near_emitter(lights, g.position);
+        Self { scene, lights, g, number: plan.light_candidates, shared, with_narrow }
+    }
+
+    /// True where samples need further random numbers.
+    fn draws(&self) -> bool {
+        self.shared || self.number > 1
+    }
+
+    /// Light of one shadow ray, and of one BSDF sample where these share the weight; without the throughput. `u`: a direction, its lobe,
+    /// and which candidate.
+    pub(super) fn sample(
+        &self,
+        candidates: impl ExactSizeIterator<Item = [f32; 2]>,
+        u: [f32; 4],
+        tally: &mut Tally,
+    ) -> Bands {
+        let by_light = self.by_light(candidates, u[3], tally);
+        if self.shared { add(&by_light, &self.by_bsdf(u, tally)) } else { by_light }
+    }
+    /// The light of one of some candidates, picked by what each would give if nothing shaded it, for all of them [E24].
+    fn by_light(
+        &self,
+        candidates: impl ExactSizeIterator<Item = [f32; 2]>,
+        choice: f32,
+        tally: &mut Tally,
+    ) -> Bands {
+        let g = self.g;
+        let origin = lift(g.position, g.ng, g.triangle);
+        let number = candidates.len() as f32;
+        let mut picked: Option<(LightSample, Bands)> = None;
+        let mut reservoir = Reservoir::new(choice);
+        for u in candidates {
+            let Some(l) = sample_light(self.lights, origin, u) else { continue };
+            let given = self.unshadowed(&l);
+            let size = max(&given);
+            if size <= 0.0 {
+                continue;
+            }
+            if reservoir.takes(size) {
+                picked = Some((l, given));
+            }
+            tally.shadow_rays_saved += 1;
+        }
+        let Some((l, given)) = picked else { return BLACK };
+        tally.rays += 1;
+        tally.shadow_rays_saved -= 1;
+        if visible(self.scene, origin, l.target) {
+            scale(&given, reservoir.total / (number * max(&given)))
+        } else {
+            BLACK
+        }
+    }
+
+    /// What a light sample, one of the candidates, gives if nothing shades it, with its share of the weight.
+    fn unshadowed(&self, l: &LightSample) -> Bands {
+        let g = self.g;
+        let cos_s = l.wi.dot(g.ns);
+        if cos_s <= 0.0 || l.wi.dot(g.ng) <= 0.0 {
+            return BLACK;
+        }
+        let pdf = self.number as f32 * l.pdf;
+        let weight = if self.shared && pdf > 0.0 { pdf / (pdf + g.bsdf.pdf_scatter(l.wi)) } else { 1.0 };
+        let matte = g.bsdf.eval_scatter(l.wi);
+        // what has an area is met where the lobe is followed
+        let is_met = l.pdf > 0.0 || !self.with_narrow;
+        let f = if is_met { matte } else { add(&matte, &g.bsdf.eval_narrow(l.wi)) };
+        scale(&mul(&f, &l.irradiance), cos_s * weight)
+    }
+
+    /// Light that one sample of the D lobes finds, beside the candidates.
+    fn by_bsdf(&self, u: [f32; 4], tally: &mut Tally) -> Bands {
+        let g = self.g;
+        let Some(wi) = g.bsdf.sample_scatter(u[2], [u[0], u[1]]) else { return BLACK };
+        if wi.dot(g.ng) <= 0.0 {
+            return BLACK;
+        }
+        tally.rays += 1;
+        let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
+        let (found, pdf_light) = match SurfaceInteraction::hit(self.scene, &ray) {
+            Some(s) => (le(&s).copied().unwrap_or(BLACK), self.number as f32 * pdf_light(self.lights, &s)),
+            None => (on_miss(wi), 0.0),
+        };
+        if is_black(&found) {
+            return BLACK;
+        }
+        // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)
+        let weight = wi.dot(g.ns) / (g.bsdf.pdf_scatter(wi) + pdf_light);
+        scale(&mul(&g.bsdf.eval_scatter(wi), &found), weight)
+    }
 }
 
 /// True where `position` may lie so near to a light that shadow rays alone have fireflies. Depends on no
 /// random number but the place, so the choice of estimator costs no bias.
 fn near_emitter(lights: &[PackedEmitter], position: Vec3) -> bool {
     lights.len() > NEAR_EMITTERS_MAX as usize || lights.iter().any(|e| is_near(e, position))
-}
-
-/// The light of one of some candidates, picked by what each would give if nothing shaded it, for all of them [E24].
-fn by_light(
-    scene: &PackedScene,
-    lights: &[PackedEmitter],
-    g: &GatherPoint,
-    candidates: impl ExactSizeIterator<Item = [f32; 2]>,
-    choice: f32,
-    shared: bool,
-    tally: &mut Tally,
-) -> Bands {
-    let origin = lift(g.position, g.ng, g.triangle);
-    let number = candidates.len() as f32;
-    let mut picked: Option<(LightSample, Bands)> = None;
-    let mut reservoir = Reservoir::new(choice);
-    for u in candidates {
-        let Some(l) = sample_light(lights, origin, u) else { continue };
-        let given = unshadowed(g, &l, number, shared);
-        let size = max(&given);
-        if size <= 0.0 {
-            continue;
-        }
-        if reservoir.takes(size) {
-            picked = Some((l, given));
-        }
-        tally.shadow_rays_saved += 1;
-    }
-    let Some((l, given)) = picked else { return BLACK };
-    tally.rays += 1;
-    tally.shadow_rays_saved -= 1;
-    if visible(scene, origin, l.target) {
-        scale(&given, reservoir.total / (number * max(&given)))
-    } else {
-        BLACK
-    }
-}
-
-/// What a light sample, one of `number` candidates, gives if nothing shades it, with its share of the weight.
-fn unshadowed(g: &GatherPoint, l: &LightSample, number: f32, shared: bool) -> Bands {
-    let cos_s = l.wi.dot(g.ns);
-    if cos_s <= 0.0 || l.wi.dot(g.ng) <= 0.0 {
-        return BLACK;
-    }
-    let pdf = number * l.pdf;
-    let weight = if shared && pdf > 0.0 { pdf / (pdf + g.bsdf.pdf_scatter(l.wi)) } else { 1.0 };
-    let matte = g.bsdf.eval_scatter(l.wi);
-    // what has an area is met where the lobe is followed
-    let f = if l.pdf > 0.0 { matte } else { add(&matte, &g.bsdf.eval_narrow(l.wi)) };
-    scale(&mul(&f, &l.irradiance), cos_s * weight)
-}
-
-/// Light that one sample of the D lobes finds, beside `number` candidates.
-fn by_bsdf(
-    scene: &PackedScene,
-    lights: &[PackedEmitter],
-    g: &GatherPoint,
-    u: [f32; 4],
-    number: f32,
-    tally: &mut Tally,
-) -> Bands {
-    let Some(wi) = g.bsdf.sample_scatter(u[2], [u[0], u[1]]) else { return BLACK };
-    if wi.dot(g.ng) <= 0.0 {
-        return BLACK;
-    }
-    tally.rays += 1;
-    let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
-    let (found, pdf_light) = match SurfaceInteraction::hit(scene, &ray) {
-        Some(s) => (le(&s).copied().unwrap_or(BLACK), number * pdf_light(lights, &s)),
-        None => (on_miss(wi), 0.0),
-    };
-    if is_black(&found) {
-        return BLACK;
-    }
-    // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)
-    let weight = wi.dot(g.ns) / (g.bsdf.pdf_scatter(wi) + pdf_light);
-    scale(&mul(&g.bsdf.eval_scatter(wi), &found), weight)
 }

@@ -6,8 +6,17 @@ use super::kd_tree::{EMPTY, LANES};
 use super::kernel_correction::Weights;
 use super::maps::JotonMap;
 use super::window::Window;
+use crate::packed::PackedScene;
+use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
 use crate::spectrum::{BANDS, Bands, add, mul, scale};
 use glam::Vec4;
+
+/// Smallest and largest caustic radius of the first pass at a gather point.
+pub(super) fn caustic_limits(scene: &PackedScene, plan: &Plan, g: &GatherPoint) -> [f32; 2] {
+    let footprint = g.length * scene.pixel_angle();
+    let largest = (CAUSTIC_FOOTPRINTS[1] * footprint).min(plan.caustic.base as f32);
+    [(CAUSTIC_FOOTPRINTS[0] * footprint).min(largest), largest]
+}
 
 /// Number of jotons that count.
 pub(super) fn count(map: &JotonMap, w: &Window) -> u32 {

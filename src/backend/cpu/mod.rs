@@ -12,6 +12,7 @@ mod glint;
 #[doc(hidden)]
 #[doc(hidden)]
 pub mod harness;
+mod indirect;
 mod kd_tree;
 mod kernel_correction;
 mod maps;
@@ -26,6 +27,7 @@ pub use path_tracer::PathTracer;
 
 use crate::backend::{Backend, Batch, Tally};
 use crate::error::Result;
+use crate::estimators::maps::MapKind;
 use crate::estimators::radii::{area_group, shrink};
 use crate::estimators::split_paths::SplitPaths;
 use crate::film::tile_schedule::TileSchedule;
@@ -33,6 +35,7 @@ use crate::film::{LAYERS, Layer};
 use crate::packed::constants::PILOT_PASS;
 use crate::packed::{PackedScene, scatter_area_points};
 use crate::plan::{Part, Plan};
+use crate::resolve::Resolver;
 use crate::sampling::rng::sequence_seed;
 use crate::spectrum::{BLACK, Bands};
 use clip_planes::Clip;
@@ -124,7 +127,7 @@ impl CpuBackend {
     /// rendered before.
     fn refresh_area(&mut self, pass: u64) {
         let group = area_group(pass);
-        if !self.plan.traces(Layer::Diffuse) || self.area.as_ref().is_some_and(|a| a.group == group) {
+        if !self.plan.has_map(MapKind::Diffuse) || self.area.as_ref().is_some_and(|a| a.group == group) {
             return;
         }
         let (scene, plan) = (&self.scene, &self.plan);
@@ -141,7 +144,7 @@ impl CpuBackend {
     /// pass. Radii only shrink: what is whole stays whole.
     fn refresh_survey(&mut self, pass: u64) {
         let wanted = survey_pass(pass);
-        if !self.plan.traces(Layer::Diffuse) || self.survey.as_ref().map(|s| s.pass) == wanted {
+        if !self.plan.has_map(MapKind::Diffuse) || self.survey.as_ref().map(|s| s.pass) == wanted {
             return;
         }
         self.survey = None;
@@ -158,7 +161,7 @@ impl CpuBackend {
     /// Choose the caustic radii and find the walls about each pixel's gather point of the pilot pass, once.
     fn look_around(&mut self) {
         let traces_caustic = self.plan.traces(Layer::Caustic);
-        if !self.clips.is_empty() || !(traces_caustic || self.plan.traces(Layer::Diffuse)) {
+        if !self.clips.is_empty() || !(traces_caustic || self.plan.has_map(MapKind::Diffuse)) {
             return;
         }
         // mirrors have no area points; and --paths must not change what is found
@@ -183,13 +186,13 @@ impl CpuBackend {
         self.refresh_area(pass);
         let (scene, plan) = (&*self.scene, &self.plan);
         let index = pass as u32;
-        let mut map = |layer: Layer| {
-            if !plan.traces(layer) {
+        let mut map = |kind: MapKind| {
+            if !plan.has_map(kind) {
                 return JotonMap::default();
             }
-            JotonMap::new(trace::jotons(scene, plan, index, layer == Layer::Caustic, tally))
+            JotonMap::new(trace::jotons(scene, plan, index, kind == MapKind::Caustic, tally))
         };
-        let (caustic, diffuse) = (map(Layer::Caustic), map(Layer::Diffuse));
+        let (caustic, diffuse) = (map(MapKind::Caustic), map(MapKind::Diffuse));
         let diffuse_radius = plan.diffuse.radius(pass) as f32;
         let pass = Pass {
             scene,
@@ -221,6 +224,10 @@ impl Backend for CpuBackend {
 
     fn traces(&self, layer: Layer) -> bool {
         self.plan.traces(layer)
+    }
+
+    fn resolver(&self) -> Option<Arc<Resolver>> {
+        self.plan.resolves.then(|| Arc::new(Resolver::new(self.scene.clone(), self.plan.settings.seed)))
     }
 
     fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {

@@ -1,19 +1,20 @@
 //! Pixels: one pass's eye path, direct light and gather of every pixel, in small tiles so that neighbours share caches.
 
 use super::clip_planes::{self, Clip, Walls};
-use super::gather::{count, radiance};
+use super::gather::{caustic_limits, count, radiance};
 use super::kernel_correction::{Interior, Weights, weights};
 use super::maps::{AreaMap, JotonMap};
 use super::window::Window;
-use super::{Pass, direct, eye, glint};
+use super::{Pass, direct, eye, glint, indirect};
 use crate::backend::{Cause, Tally};
+use crate::estimators::maps::MapKind;
 use crate::film::neighbours::around;
 use crate::film::paths::{Event, LightPaths};
 use crate::film::tile_schedule::TILE;
 use crate::film::{LAYERS, Layer};
 use crate::packed::PackedScene;
 use crate::packed::constants::CLIP_KEPT_MIN;
-use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
+use crate::plan::Plan;
 use crate::spectrum::{Bands, add};
 use rayon::prelude::*;
 
@@ -100,7 +101,10 @@ fn one(pass: &Pass, pixel: u32, index: u32, tally: &mut Tally) -> [Bands; LAYERS
         out[Layer::Caustic as usize] =
             radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared * kept), accepted);
     }
-    if let (true, Some(area)) = (plan.traces(Layer::Diffuse), pass.area) {
+    if plan.has_indirect_paths() {
+        out[Layer::Diffuse as usize] = indirect::light(pass, &g, pixel, index, accepted, tally);
+    }
+    if let (true, Some(area)) = (plan.has_map(MapKind::Diffuse), pass.area) {
         let radius = pass.diffuse_radius;
         let walls = Walls::about(pass.clips, scene.size, pixel, &g, radius);
         let w = Window::new(&g, radius * radius).before(walls.from(g.position));
@@ -158,13 +162,6 @@ pub(super) fn look_around(
         (found, clip_planes::find(scene, area, &g, plan.diffuse.base as f32))
     };
     (0..scene.pixels() as u32).into_par_iter().map(look).unzip()
-}
-
-/// Smallest and largest caustic radius of the first pass at a gather point.
-fn caustic_limits(scene: &PackedScene, plan: &Plan, g: &eye::GatherPoint) -> [f32; 2] {
-    let footprint = g.length * scene.pixel_angle();
-    let largest = (CAUSTIC_FOOTPRINTS[1] * footprint).min(plan.caustic.base as f32);
-    [(CAUSTIC_FOOTPRINTS[0] * footprint).min(largest), largest]
 }
 
 /// The caustic radius of each pixel in the first pass, from the jotons counted in a pilot:

@@ -21,6 +21,10 @@ pub(super) const STREAM_AREA: u32 = 6;
 pub(super) const STREAM_CHOICE: u32 = 7;
 /// Place in the pixel of a glint's chains.
 pub(super) const STREAM_GLINT_JITTER: u32 = 8;
+/// First direction of the paths that go on; one sequence a tile of pixels.
+pub(super) const STREAM_INDIRECT: u32 = 9;
+/// Emitter and place of the shadow ray at their first surface, likewise.
+pub(super) const STREAM_INDIRECT_LIGHT: u32 = 10;
 
 /// Hard limit of a path's length: the dimensions of a purpose. The roulette ends paths long before.
 pub(super) const EVENTS_MAX: u32 = 1 << 16;
@@ -39,3 +43,7 @@ pub(super) const DIMENSION_PATH: u32 = 5 << 16;
 pub(super) const DIMENSION_GLINT: u32 = 6 << 16;
 /// Which of the jotons that the camera does not look at are stored.
 pub(super) const DIMENSION_UNSEEN: u32 = 7 << 16;
+/// Events of a path that goes on, some draws each.
+pub(super) const DIMENSION_INDIRECT: u32 = 8 << 16;
+/// Light samples at its surfaces.
+pub(super) const DIMENSION_INDIRECT_LIGHT: u32 = 9 << 16;

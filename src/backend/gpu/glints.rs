@@ -33,9 +33,9 @@ impl SplitPathLists {
 
     /// The list of a strip in parts that fit the buffer: one, but where trees crowd in a strip. Each begins at a multiple of the
     /// most trees that a pixel has.
-    pub(super) fn parts(&self, strip: usize, buffer: &wgpu::Buffer) -> Vec<Range<u32>> {
+    pub(super) fn parts(&self, strip: usize, buffer: Option<&wgpu::Buffer>) -> Vec<Range<u32>> {
         let end = self.lists.get(strip).map_or(0, |list| list.trees.len() as u32);
-        let room = ((buffer.size() / 4) as u32).max(TREES_MAX) / TREES_MAX * TREES_MAX;
+        let room = buffer.map_or(0, |b| (b.size() / 4) as u32).max(TREES_MAX) / TREES_MAX * TREES_MAX;
         (0..end.max(1)).step_by(room as usize).map(|first| first..(first + room).min(end)).collect()
     }
 

@@ -38,6 +38,7 @@ use crate::plan::buffers::{self, Buffer, BufferPlan};
 use crate::plan::map_layout::{MapLayout, MapLayouts, roomy};
 use crate::plan::strips::{Strip, Strips};
 use crate::plan::{Part, Plan};
+use crate::resolve::Resolver;
 use crate::spectrum::{BANDS, Bands};
 use area_samples::AreaState;
 use glints::SplitPathLists;
@@ -149,7 +150,7 @@ impl GpuBackend {
                 self.buffers.insert(name, device_buffers::storage(context, name, bytes));
             }
         }
-        if !self.buffers.contains_key("area_points") {
+        if self.shapes.diffuse.is_some() && !self.buffers.contains_key("area_points") {
             let size = buffers::area_points(0, 1).bytes;
             self.buffers.insert("area_points", device_buffers::storage(context, "area_points", size));
         }
@@ -257,6 +258,10 @@ impl GpuBackend {
             let at = [("pass_info", at), ("map_info", map_info)];
             steps.record_gather(&mut recorder, map.kind, gather, &at, live);
         }
+        // where paths go on there is no other map than theirs
+        let map_info = recorder.ring.push(&infos[MapKind::Caustic as usize]);
+        let at = [("pass_info", at), ("map_info", map_info)];
+        steps.record_indirect(&mut recorder, &at, live, &self.buffers);
         recorder.submit(&self.context, &self.buffers["ring"]);
         self.collect_times()
     }
@@ -342,6 +347,10 @@ impl Backend for GpuBackend {
 
     fn traces(&self, layer: Layer) -> bool {
         self.plan.traces(layer)
+    }
+
+    fn resolver(&self) -> Option<Arc<Resolver>> {
+        self.plan.resolves.then(|| Arc::new(Resolver::new(self.scene.clone(), self.plan.settings.seed)))
     }
 
     fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {

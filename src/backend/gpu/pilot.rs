@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::{Look, SplitPaths};
 use crate::host::memory;
-use crate::packed::constants::{EDGE_OTHERS, PILOT_PASS};
+use crate::packed::constants::PILOT_PASS;
 use crate::packed::layout::{MapInfo, PassInfo, status};
 use crate::plan::buffers::fit;
 use crate::plan::map_layout::{dispatches_kept, roomy};
@@ -175,6 +175,7 @@ impl GpuBackend {
         let kernels = [&steps.eye]
             .into_iter()
             .chain(&steps.direct)
+            .chain(&steps.indirect)
             .chain(steps.glint.iter().flat_map(|g| [&g.trees, &g.sum]));
         let maps = steps.maps.iter().map(|(_, gather)| gather).chain(&steps.kernel_correction);
         for step in kernels.chain(maps) {
@@ -195,11 +196,6 @@ impl GpuBackend {
         else {
             return Ok(());
         };
-        if kernel_correction.is_none() {
-            // nothing is known of what is near
-            let anything = vec![EDGE_OTHERS; pixels as usize];
-            self.context.queue.write_buffer(&self.buffers["edges"], 0, bytemuck::cast_slice(&anything));
-        }
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
         recorder.dispatch_tiles(eye, &at, tiles);

@@ -21,6 +21,7 @@ pub(super) struct Kernels {
     eye: Kernel,
     glint: Option<[Kernel; 3]>,
     direct: Option<Kernel>,
+    indirect: Option<Kernel>,
     trace: [Option<Kernel>; 2],
     gather: [Option<Kernel>; 2],
     kernel_correction: Option<Kernel>,
@@ -60,7 +61,15 @@ impl Kernels {
             ]);
             Kernel::new(context, path, "main", &overrides)
         };
-        let (caustic, diffuse) = (plan.traces(Layer::Caustic), plan.traces(Layer::Diffuse));
+        let [caustic, diffuse] = MapKind::ALL.map(|kind| plan.has_map(kind));
+        let indirect = || {
+            let mut overrides = features.to_vec();
+            overrides.extend([
+                ("HAS_CAUSTIC_MAP", flag(caustic)),
+                ("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])),
+            ]);
+            Kernel::new(context, "passes/indirect.wgsl", "main", &overrides)
+        };
         let optional = |on: bool, k: &dyn Fn() -> Result<Kernel>| on.then(k).transpose();
         let pilot = [
             ("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])),
@@ -79,6 +88,7 @@ impl Kernels {
                 None
             },
             direct: optional(plan.traces(Layer::Direct), &|| compile("passes/direct.wgsl"))?,
+            indirect: optional(plan.has_indirect_paths(), &indirect)?,
             trace: [
                 optional(caustic, &|| with("passes/trace.wgsl", true))?,
                 optional(diffuse, &|| with("passes/trace.wgsl", false))?,
@@ -91,7 +101,11 @@ impl Kernels {
                 let overrides = [("SPECULAR_BODIES", flag(plan.has_specular_bodies()))];
                 Kernel::new(context, "passes/kernel_correction.wgsl", "main", &overrides)
             })?,
-            clip_planes: optional(caustic || diffuse, &|| compile("passes/clip_planes.wgsl"))?,
+            clip_planes: optional(caustic || diffuse, &|| {
+                let mut overrides = features.to_vec();
+                overrides.push(("HAS_EDGES", flag(diffuse)));
+                Kernel::new(context, "passes/clip_planes.wgsl", "main", &overrides)
+            })?,
             caustic_count: optional(caustic, &|| {
                 Kernel::new(context, "passes/caustic_count.wgsl", "main", &pilot)
             })?,
@@ -116,6 +130,7 @@ impl Kernels {
         all.extend(&self.clip_planes);
         all.extend(&self.direct);
         all.extend(self.gather.iter().flatten());
+        all.extend(&self.indirect);
         all
     }
 }
@@ -138,6 +153,7 @@ pub(super) struct PassGraph {
     pub(super) eye: BoundKernel,
     pub(super) glint: Option<Glint>,
     pub(super) direct: Option<BoundKernel>,
+    pub(super) indirect: Option<BoundKernel>,
     pub(super) kernel_correction: Option<BoundKernel>,
     pub(super) clip_planes: Option<BoundKernel>,
     pub(super) maps: Vec<(Map, BoundKernel)>,
@@ -197,6 +213,14 @@ impl PassGraph {
                 &kernels.direct,
                 &[("emitters", "emitters_direct"), ("scene_info", "scene_info_direct")],
             )?,
+            indirect: optional(
+                &kernels.indirect,
+                &[
+                    &sorted(MapKind::Caustic)[..],
+                    &[("emitters", "emitters_direct"), ("scene_info", "scene_info_direct")],
+                ]
+                .concat(),
+            )?,
             kernel_correction: optional(&kernels.kernel_correction, &[])?,
             clip_planes: optional(&kernels.clip_planes, &[])?,
             maps,
@@ -224,6 +248,20 @@ impl PassGraph {
     pub(super) fn record_direct(&self, recorder: &mut Recorder<'_>, pass_info: u32, tiles: u32) {
         if let Some(direct) = &self.direct {
             recorder.dispatch_tiles(direct, &[("pass_info", pass_info)], tiles);
+        }
+    }
+
+    /// Record the paths that go on from the gather points; where there is a caustic map, it is sorted, and `map_info` is its
+    /// uniform.
+    pub(super) fn record_indirect(
+        &self,
+        recorder: &mut Recorder<'_>,
+        at: Offsets<'_>,
+        tiles: u32,
+        buffers: &Buffers,
+    ) {
+        if let Some(indirect) = &self.indirect {
+            recorder.dispatch_queue(indirect, at, tiles, &buffers["queue"]);
         }
     }
 

@@ -66,6 +66,14 @@ impl Timer {
     }
 }
 
+/// Where in the list of tiles each dispatch over the first so many begins, and how many it takes.
+fn parts(tiles: u32) -> impl Iterator<Item = (u32, u32)> {
+    let firsts = (0..tiles).step_by(TILES_PER_DISPATCH as usize);
+    (0..)
+        .zip(firsts)
+        .map(move |(part, first)| (part * BINDING_BYTES, (tiles - first).min(TILES_PER_DISPATCH)))
+}
+
 /// Records one submission.
 pub(super) struct Recorder<'a> {
     encoder: wgpu::CommandEncoder,
@@ -97,10 +105,22 @@ impl<'a> Recorder<'a> {
 
     /// A kernel whose workgroups are the first so many tiles of the list.
     pub(super) fn dispatch_tiles(&mut self, step: &BoundKernel, offsets: Offsets<'_>, tiles: u32) {
-        for (part, first) in (0..tiles).step_by(TILES_PER_DISPATCH as usize).enumerate() {
-            let mut offsets = offsets.to_vec();
-            offsets.push(("tiles", part as u32 * BINDING_BYTES));
-            self.dispatch_groups(step, &offsets, [(tiles - first).min(TILES_PER_DISPATCH), 1]);
+        for (offset, count) in parts(tiles) {
+            self.dispatch_groups(step, &[offsets, &[("tiles", offset)]].concat(), [count, 1]);
+        }
+    }
+
+    /// Likewise for a kernel whose invocations take pixels from a queue: a counter of those that were taken.
+    pub(super) fn dispatch_queue(
+        &mut self,
+        step: &BoundKernel,
+        offsets: Offsets<'_>,
+        tiles: u32,
+        queue: &wgpu::Buffer,
+    ) {
+        for (offset, count) in parts(tiles) {
+            self.clear(queue);
+            self.dispatch_groups(step, &[offsets, &[("tiles", offset)]].concat(), [count, 1]);
         }
     }
 

@@ -6,6 +6,7 @@ use super::GpuBackend;
 use super::films::{black, four, put};
 use super::recorder::Recorder;
 use crate::error::Result;
+use crate::estimators::maps::MapKind;
 use crate::film::Layer;
 use crate::plan::buffers::{FILM_PIXEL, FILMS, known};
 use crate::plan::strips::Strip;
@@ -95,7 +96,7 @@ impl GpuBackend {
             }
             self.send_films(strip);
             // where its list is longer than the buffer, its parts are used one after the other
-            let parts = self.glints.parts(i, &self.buffers["glints"]);
+            let parts = self.glints.parts(i, self.buffers.get("glints"));
             for (k, part) in parts.iter().enumerate() {
                 self.send_glints(i, part);
                 let Some(steps) = &self.steps else { return Ok(()) };
@@ -126,6 +127,9 @@ impl GpuBackend {
                         let at = [("pass_info", pass_info), ("map_info", map_info)];
                         steps.record_gather(&mut recorder, map.kind, gather, &at, tiles);
                     }
+                    let map_info = recorder.ring.push(&infos[MapKind::Caustic as usize]);
+                    let at = [("pass_info", pass_info), ("map_info", map_info)];
+                    steps.record_indirect(&mut recorder, &at, tiles, &self.buffers);
                 }
                 recorder.submit(&self.context, &self.buffers["ring"]);
                 self.collect_times()?;

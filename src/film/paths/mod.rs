@@ -75,6 +75,11 @@ impl LightPaths {
         self.dfa.next.get(state as usize).map_or(DEAD, |row| row[event as usize])
     }
 
+    /// The states, as a mask, from which `event` leads to one of these.
+    pub fn states_before(&self, mask: u32, event: Event) -> u32 {
+        (0..DEAD).filter(|&q| mask >> self.step(q, event) & 1 == 1).map(|q| 1 << q).sum()
+    }
+
     /// `table[state][event]` for the device; rows that are not live lead to [`DEAD`].
     pub fn transitions(&self) -> [[u32; 2]; STATES_MAX] {
         std::array::from_fn(|q| Event::ALL.map(|event| self.step(q as u32, event)))

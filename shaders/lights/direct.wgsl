@@ -1,0 +1,142 @@
+// Direct light at a surface: by shadow rays, and by the surface's lobes where these share the weight.
+// L = f_r Le V G / (pick pdf_area) [E5]; where the surface is glossy or touches an emitter, each shadow ray shares its weight
+// with one BSDF sample by the balance heuristic (Veach & Guibas 1995).
+// reads  scene, pass_info
+// import: scene/features.wgsl
+// import: dispatch/index.wgsl
+// import: sampling/rng.wgsl
+// import: scene/scene.wgsl
+// import: accel/intersect.wgsl
+// import: shading/lobes.wgsl
+// import: lights/pick.wgsl
+// import: lights/light.wgsl
+// import: lights/le.wgsl
+// import: lights/reservoir.wgsl
+
+// Where light arrives.
+struct Receiver {
+    material: PackedMaterial,
+    // Lifted off the surface: where rays start.
+    origin: vec3<f32>,
+    // Unit normals toward where the path came from, and the direction to there.
+    geometric: vec3<f32>,
+    shading: vec3<f32>,
+    wo: vec3<f32>,
+    // Shadow rays share their weight with BSDF samples.
+    shares: bool,
+    // Narrow lobes, too, show lights without area.
+    with_narrow: bool,
+}
+
+// The points of a sequence that light samples take: the first one, and whose sequence it is.
+struct LightDraws {
+    first: vec2<u32>,
+    path: u32,
+    stream: u32,
+}
+
+// Light of one shadow ray, and of one BSDF sample where these share the weight; without the throughput.
+struct DirectLight {
+    by_light: Bands,
+    by_lobe: Bands,
+    rays: u32,
+    // Shadow rays that other candidates did not need.
+    saved: u32,
+}
+
+fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
+    let pick = pick_emitter(u.x, pass_info.emitters);
+    return sample_li(emitter_at(pick.emitter), p, vec2(pick.rest, u.y));
+}
+
+// True where p may lie so near to a light that shadow rays alone have fireflies. It depends on the place
+// only, so the choice of estimator costs no bias.
+fn near_emitter(p: vec3<f32>) -> bool {
+    let count = own(pass_info.emitters);
+    if count > NEAR_EMITTERS_MAX {
+        return true;
+    }
+    var near = false;
+    for (var i = 0u; i < count; i += 1u) {
+        near = near || is_near(emitter_at(i), p);
+    }
+    return near;
+}
+
+// Light that a direction of the D lobes finds, with its share of the weight.
+fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> Bands {
+    let wi = sample_scatter(m, n, wo, u);
+    let cos_receiver = dot(wi, n);
+    if cos_receiver <= 0.0 || dot(wi, geometric) <= 0.0 {
+        return Bands(0.0);
+    }
+    let hit = traverse(origin, wi, 1e30, false);
+    var found = Bands(0.0);
+    var pdf_light = 0.0;
+    if hit.triangle == MISS {
+        found = on_miss(wi);
+    } else {
+        let t = triangle_at(hit.triangle);
+        let front = normalize(cross(t.e1, t.e2));
+        if t.emitter != NO_EMITTER && dot(wi, front) < 0.0 {
+            let e = emitter_at(t.emitter);
+            found = e.strength;
+            pdf_light = f32(pass_info.light_candidates) * pdf_li(e, hit.t, -dot(wi, front));
+        }
+    }
+    if max_band(found) <= 0.0 {
+        return Bands(0.0);
+    }
+    // f Le cos / pdf · pdf / (pdf + pdf_light)
+    return eval_scatter(m, n, wi, wo) * found * (cos_receiver / (pdf_scatter(m, n, wi, wo) + pdf_light));
+}
+
+// One sample; u: a direction, its lobe, and which candidate.
+fn direct_light(r: Receiver, draws: LightDraws, u: vec4<f32>) -> DirectLight {
+    var result = DirectLight(Bands(0.0), Bands(0.0), 0u, 0u);
+    let candidates = f32(pass_info.light_candidates);
+    // one of the candidates gets the shadow ray, by what each would give if nothing shaded it, for all of them [E24]
+    var picked = LightSample(vec3(0.0), 0.0, vec3(0.0), Bands(0.0), 0.0);
+    var given = Bands(0.0);
+    var reservoir = Reservoir(0.0, u.w);
+    var found = 0u;
+    for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
+        let at = wide_sum(draws.first, k);
+        let seed = sequence_seed(seed_at(pass_info.seed, at.y), draws.path, draws.stream);
+        let light = sample_light(r.origin, sobol2(at.x, seed));
+        let cos_receiver = dot(light.wi, r.shading);
+        if cos_receiver > 0.0 && dot(light.wi, r.geometric) > 0.0 && max_band(light.weight) > 0.0 {
+            var weight = cos_receiver;
+            if r.shares && light.pdf > 0.0 {
+                let pdf = candidates * light.pdf;
+                weight *= pdf / (pdf + pdf_scatter(r.material, r.shading, light.wi, r.wo));
+            }
+            var f = eval_scatter(r.material, r.shading, light.wi, r.wo);
+            if r.with_narrow && light.pdf <= 0.0 {
+                // what has an area is met where the lobe is followed
+                f += eval_narrow(r.material, r.shading, light.wi, r.wo);
+            }
+            let gives = f * light.weight * weight;
+            let size = max_band(gives);
+            if size > 0.0 {
+                found += 1u;
+                if takes(&reservoir, size) {
+                    picked = light;
+                    given = gives;
+                }
+            }
+        }
+    }
+    if max_band(given) > 0.0 {
+        result.rays += 1u;
+        result.saved += found - 1u;
+        if !is_occluded(r.origin, picked.wi, picked.distance, picked.end) {
+            result.by_light = given * (reservoir.total / (candidates * max_band(given)));
+        }
+    }
+    if r.shares {
+        result.rays += 1u;
+        result.by_lobe = by_brdf(r.material, r.origin, r.geometric, r.shading, r.wo, u.xyz);
+    }
+    return result;
+}
