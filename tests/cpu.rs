@@ -5,7 +5,7 @@ use joton::backend::{Backend, Batch};
 use joton::film::paths::LightPaths;
 use joton::film::{LAYERS, Layer};
 use joton::packed::PackedScene;
-use joton::plan::{Plan, Settings};
+use joton::plan::{Indirect, Part, Plan, Settings};
 use joton::scene::{self, Light, Material, Scene};
 use std::path::Path;
 use std::sync::Arc;
@@ -18,20 +18,33 @@ fn load(name: &str, size: u32) -> Scene {
     scene
 }
 
-fn plan(scene: &Scene, paths: &str) -> (Arc<PackedScene>, Plan) {
+fn plan(scene: &Scene, paths: &str, keep: &[Part]) -> (Arc<PackedScene>, Plan) {
     let packed = Arc::new(PackedScene::new(scene));
     let paths = LightPaths::parse(paths).expect("a valid expression");
-    let plan = Plan::new(&packed, Settings { paths, ..Settings::default() });
+    let plan = Plan::new(&packed, Settings { paths, keep: keep.to_vec(), ..Settings::default() });
     (packed, plan)
 }
 
+/// Diffuse light by its map.
 fn maps(scene: &Scene, paths: &str, passes: u32) -> Batch {
-    let (packed, plan) = plan(scene, paths);
+    let (packed, plan) = plan(scene, paths, &[Part::DiffuseMap]);
+    assert_eq!(plan.indirect, Indirect::Map);
     CpuBackend::new(packed, plan).render(0, passes).expect("renders")
 }
 
+/// Diffuse light by eye paths that go on, where the plan finds that they serve.
+fn eye_paths(scene: &Scene, paths: &str, passes: u32) -> Batch {
+    let (packed, plan) = plan(scene, paths, &[]);
+    CpuBackend::new(packed, plan).render(0, passes).expect("renders")
+}
+
+type Renderer = fn(&Scene, &str, u32) -> Batch;
+
+/// The photon mapper's ways to diffuse light.
+const WAYS: [(&str, Renderer); 2] = [("maps", maps), ("eye paths", eye_paths)];
+
 fn path_traced(scene: &Scene, paths: &str, passes: u32) -> Batch {
-    let (packed, plan) = plan(scene, paths);
+    let (packed, plan) = plan(scene, paths, &[]);
     PathTracer::new(packed, plan).render(0, passes).expect("renders")
 }
 
@@ -63,9 +76,8 @@ fn blocks(batch: &Batch, size: u32, n: u32, passes: u32) -> Vec<f64> {
 fn furnace_radiance_is_one() {
     let scene = load("furnace.toml", 64);
     let passes = 24;
-    for (name, batch) in
-        [("maps", maps(&scene, EVERYTHING, passes)), ("path tracer", path_traced(&scene, EVERYTHING, passes))]
-    {
+    for (name, render) in WAYS.into_iter().chain([("path tracer", path_traced as Renderer)]) {
+        let batch = render(&scene, EVERYTHING, passes);
         for (layer, want, tolerance) in
             [(Layer::Emission, 0.5, 1e-6), (Layer::Direct, 0.25, 0.01), (Layer::Diffuse, 0.25, 0.01)]
         {
@@ -74,9 +86,11 @@ fn furnace_radiance_is_one() {
         }
         assert_eq!(batch.tally.non_finite.total(), 0);
     }
-    // no dark edges, no bright corners: every block of the maps' image
-    for (i, block) in blocks(&maps(&scene, EVERYTHING, passes), 64, 8, passes).iter().enumerate() {
-        assert!((block - 1.0).abs() < 0.05, "block {i}: {block}");
+    // no dark edges, no bright corners: every block of the image
+    for (name, render) in WAYS {
+        for (i, block) in blocks(&render(&scene, EVERYTHING, passes), 64, 8, passes).iter().enumerate() {
+            assert!((block - 1.0).abs() < 0.05, "{name}, block {i}: {block}");
+        }
     }
 }
 
@@ -98,12 +112,14 @@ fn energy_is_kept() {
 #[test]
 fn maps_agree_with_the_path_tracer() {
     let (scene, size, passes, spp) = (load("cornell.toml", 64), 64, 32, 256);
-    let a = blocks(&maps(&scene, EVERYTHING, passes), size, 4, passes);
     let b = blocks(&path_traced(&scene, EVERYTHING, spp), size, 4, spp);
-    for (i, (a, b)) in a.iter().zip(&b).enumerate() {
-        // noise over a block is below 1 %; the maps' bias is 4.5 % in the dark corner behind the block, at the radius
-        // that suits 64 pixels
-        assert!((a / b - 1.0).abs() < 0.06, "block {i}: maps {a}, path tracer {b}");
+    // noise over a block is below 1 %; the maps' bias is 4.5 % in the dark corner behind the block, at the radius
+    // that suits 64 pixels; eye paths have none
+    for ((name, render), tolerance) in WAYS.into_iter().zip([0.06, 0.03]) {
+        let a = blocks(&render(&scene, EVERYTHING, passes), size, 4, passes);
+        for (i, (a, b)) in a.iter().zip(&b).enumerate() {
+            assert!((a / b - 1.0).abs() < tolerance, "block {i}: {name} {a}, path tracer {b}");
+        }
     }
 }
 
@@ -124,12 +140,15 @@ fn spheres_under_a_glowing_ceiling(size: u32) -> Scene {
 fn caustic_layer_agrees_with_the_path_tracer() {
     let scene = spheres_under_a_glowing_ceiling(48);
     let (passes, spp) = (16, 384);
-    let (a, b) = (maps(&scene, EVERYTHING, passes), path_traced(&scene, EVERYTHING, spp));
-    for (layer, tolerance) in
-        [(Layer::Emission, 0.02), (Layer::Direct, 0.02), (Layer::Caustic, 0.04), (Layer::Diffuse, 0.02)]
-    {
-        let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
-        assert!((a / b - 1.0).abs() < tolerance, "{}: maps {a}, path tracer {b}", layer.name());
+    let b = path_traced(&scene, EVERYTHING, spp);
+    for (name, render) in WAYS {
+        let a = render(&scene, EVERYTHING, passes);
+        for (layer, tolerance) in
+            [(Layer::Emission, 0.02), (Layer::Direct, 0.02), (Layer::Caustic, 0.04), (Layer::Diffuse, 0.02)]
+        {
+            let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
+            assert!((a / b - 1.0).abs() < tolerance, "{}: {name} {a}, path tracer {b}", layer.name());
+        }
     }
 }
 
@@ -159,10 +178,13 @@ fn glossy_surfaces_agree_with_the_path_tracer() {
         }
     }
     let (passes, spp) = (32, 256);
-    let (a, b) = (maps(&scene, EVERYTHING, passes), path_traced(&scene, EVERYTHING, spp));
-    for (layer, tolerance) in [(Layer::Direct, 0.01), (Layer::Diffuse, 0.03)] {
-        let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
-        assert!((a / b - 1.0).abs() < tolerance, "{}: maps {a}, path tracer {b}", layer.name());
+    let b = path_traced(&scene, EVERYTHING, spp);
+    for (name, render) in WAYS {
+        let a = render(&scene, EVERYTHING, passes);
+        for (layer, tolerance) in [(Layer::Direct, 0.01), (Layer::Diffuse, 0.03)] {
+            let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
+            assert!((a / b - 1.0).abs() < tolerance, "{}: {name} {a}, path tracer {b}", layer.name());
+        }
     }
 }
 
@@ -185,10 +207,14 @@ fn lights_without_surface_agree_with_the_path_tracer() {
         scene.lights = vec![light];
         scene.materials.iter_mut().for_each(|m| m.emission = [0.0; 3]);
         let (passes, spp) = (24, 96);
-        let (a, b) = (maps(&scene, EVERYTHING, passes), path_traced(&scene, EVERYTHING, spp));
-        for (layer, tolerance) in [(Layer::Direct, 0.01), (Layer::Diffuse, 0.03)] {
-            let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
-            assert!((a / b - 1.0).abs() < tolerance, "{light:?} {}: maps {a}, path tracer {b}", layer.name());
+        let b = path_traced(&scene, EVERYTHING, spp);
+        for (name, render) in WAYS {
+            let a = render(&scene, EVERYTHING, passes);
+            for (layer, tolerance) in [(Layer::Direct, 0.01), (Layer::Diffuse, 0.03)] {
+                let (a, b) = (mean(&a, layer, 0, passes), mean(&b, layer, 0, spp));
+                let off = (a / b - 1.0).abs();
+                assert!(off < tolerance, "{light:?} {}: {name} {a}, path tracer {b}", layer.name());
+            }
         }
     }
 }
@@ -196,13 +222,19 @@ fn lights_without_surface_agree_with_the_path_tracer() {
 /// Path sets that share no path and together are all paths give images that add up to the whole image, pixel by pixel.
 #[test]
 fn path_filters_partition_the_image() {
-    type Renderer = fn(&Scene, &str, u32) -> Batch;
     let scene = load("spheres.toml", 32);
-    let by_layer = ["LS*E", "LDS*E", "LS+DS*E", "L.*D.*DS*E"];
-    let by_first = ["LE", "LD.*E", "LS.*E"];
-    for (name, render) in [("maps", maps as Renderer), ("path tracer", path_traced as Renderer)] {
+    let by_layer = &["LS*E", "LDS*E", "LS+DS*E", "L.*D.*DS*E"][..];
+    let by_first = &["LE", "LD.*E", "LS.*E"];
+    // eye paths serve where caustics are wanted, too: each of these has some
+    let by_number = &["L(...)*E", "L.(...)*E", "L..(...)*E"];
+    let by_last = &["L.*DE|LE", "L.*SE"];
+    for (name, render, partitions) in [
+        ("maps", maps as Renderer, &[by_layer, by_first, by_number, by_last][..]),
+        ("eye paths", eye_paths, &[by_number, by_last]),
+        ("path tracer", path_traced, &[by_layer, by_first, by_number, by_last]),
+    ] {
         let all = render(&scene, EVERYTHING, 2);
-        for parts in [&by_layer[..], &by_first[..]] {
+        for parts in partitions {
             let images: Vec<Batch> = parts.iter().map(|paths| render(&scene, paths, 2)).collect();
             for pixel in 0..32 * 32 {
                 for b in 0..3 {
@@ -230,20 +262,24 @@ fn threads_and_splits_do_not_change_the_image() {
     let scene = load("spheres.toml", 40);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| (maps(&scene, EVERYTHING, 3), path_traced(&scene, EVERYTHING, 3)))
+        let renderers = [maps as Renderer, eye_paths, path_traced];
+        pool.install(|| renderers.map(|render| render(&scene, EVERYTHING, 3)))
     };
     let (one, five) = (on(1), on(5));
-    assert_eq!(one.0.layers, five.0.layers);
-    assert_eq!(one.0.tally, five.0.tally);
-    assert_eq!(one.1.layers, five.1.layers);
+    for (one, five) in one.iter().zip(&five) {
+        assert_eq!(one.layers, five.layers);
+        assert_eq!(one.tally, five.tally);
+    }
 
-    let (packed, plan) = plan(&scene, EVERYTHING);
-    let mut backward = CpuBackend::new(packed, plan);
-    let parts = [2, 1, 0].map(|pass| backward.render(pass, 1).expect("renders"));
-    for pixel in 0..40 * 40 {
-        let sum: f64 = parts.iter().map(|p| whole(p, pixel, 0)).sum();
-        let want = whole(&one.0, pixel, 0);
-        assert!((sum - want).abs() <= 1e-5 * want.max(0.1), "pixel {pixel}: {sum} {want}");
+    for (one, keep) in one.iter().zip([&[Part::DiffuseMap][..], &[]]) {
+        let (packed, plan) = plan(&scene, EVERYTHING, keep);
+        let mut backward = CpuBackend::new(packed, plan);
+        let parts = [2, 1, 0].map(|pass| backward.render(pass, 1).expect("renders"));
+        for pixel in 0..40 * 40 {
+            let sum: f64 = parts.iter().map(|p| whole(p, pixel, 0)).sum();
+            let want = whole(one, pixel, 0);
+            assert!((sum - want).abs() <= 1e-5 * want.max(0.1), "pixel {pixel}: {sum} {want}");
+        }
     }
 }
 
@@ -257,10 +293,10 @@ fn one_point_light_takes_one_shadow_ray() {
     }
     let light = |x: f64| Light::Point { position: glam::DVec3::new(x, 0.4, 0.2), intensity: [1.0; 3] };
     scene.lights = vec![light(0.2)];
-    let (_, one) = plan(&scene, EVERYTHING);
+    let (_, one) = plan(&scene, EVERYTHING, &[]);
     assert_eq!(one.settings.shadow_rays, 1);
     assert!(one.skipped.iter().any(|s| s.what == joton::plan::Part::FurtherShadowRays), "{:?}", one.skipped);
     scene.lights.push(light(0.7));
-    let (_, two) = plan(&scene, EVERYTHING);
+    let (_, two) = plan(&scene, EVERYTHING, &[]);
     assert_eq!(two.settings.shadow_rays, joton::plan::SHADOW_RAYS);
 }

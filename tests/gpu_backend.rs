@@ -11,7 +11,7 @@ use joton::film::paths::LightPaths;
 use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
 use joton::packed::PackedScene;
-use joton::plan::{Plan, Settings};
+use joton::plan::{Part, Plan, Settings};
 use joton::render::{Rendered, Stop, render};
 use joton::scene::{Light, Material, Scene};
 use std::path::Path;
@@ -26,6 +26,11 @@ fn settings(seed: u32, paths: &str) -> Settings {
         paths: LightPaths::parse(paths).unwrap_or_else(|e| panic!("{e}")),
         ..Settings::default()
     }
+}
+
+/// Diffuse light by the diffuse map, not by paths.
+fn with_map(settings: Settings) -> Settings {
+    Settings { keep: vec![Part::DiffuseMap], ..settings }
 }
 
 /// The backend takes a device of its own.
@@ -141,7 +146,7 @@ fn energy_is_balanced() {
     device_or_return!();
     for (name, scene) in [("everything", everything(16)), ("cornell", file("cornell.toml", 16))] {
         const PASSES: u32 = 8;
-        let t = batch(&mut open(&scene, settings(1, "L.*E")), 0, PASSES).tally;
+        let t = batch(&mut open(&scene, with_map(settings(1, "L.*E"))), 0, PASSES).tally;
         for b in 0..3 {
             let emitted = t.emitted[b] / f64::from(PASSES) / scene.total_flux[b];
             // lights of several colours are picked by their share: stratified, 1e-4 and better
@@ -175,9 +180,20 @@ fn pictures(
     paths: &str,
     gpu: bool,
 ) -> Vec<Picture> {
+    pictures_by(seeds, passes, scene, gpu, |seed| settings(seed, paths))
+}
+
+/// The same by any settings.
+fn pictures_by(
+    seeds: std::ops::Range<u32>,
+    passes: u64,
+    scene: &Arc<PackedScene>,
+    gpu: bool,
+    settings: impl Fn(u32) -> Settings,
+) -> Vec<Picture> {
     seeds
         .map(|seed| {
-            let settings = settings(seed, paths);
+            let settings = settings(seed);
             let mut backend: Box<dyn Backend> = if gpu {
                 Box::new(open(scene, settings))
             } else {
@@ -246,6 +262,38 @@ fn layers_rendered_apart_add_up_to_the_whole() {
     }
 }
 
+/// Classes of indirect light: paths that go on take the same ways whatever is wanted of them, so with one seed the classes add up to
+/// the whole; each is what the CPU backend finds.
+#[test]
+fn classes_of_indirect_light_add_up_to_it() {
+    device_or_return!();
+    const SIZE: u32 = 16;
+    const PASSES: u64 = 24;
+    let scene = everything(SIZE);
+    // what is direct or caustic is wanted besides: without it there are no paths that go on
+    let classes = ["LS*DDS*E", "LS*DS+DS*E", "LS*DS*DS*D.*E"];
+    let of = |class: &'static str| move |seed| settings(seed, &format!("LS*DS*E|{class}"));
+    let indirect = |p: &[Picture]| layers_of(p, &[Layer::Diffuse], 1.0);
+    let wanted = |class| Plan::new(&scene, of(class)(0)).has_indirect_paths();
+    assert!(classes.into_iter().all(wanted));
+    let whole = indirect(&pictures_by(0..8, PASSES, &scene, true, |seed| settings(seed, "L.*E")));
+    let each = classes.map(|class| indirect(&pictures_by(0..8, PASSES, &scene, true, of(class))));
+    let mean = |images: &[Image]| estimate(images, SIZE).mean[0];
+    let sums =
+        each.iter().map(|images| mean(images)).fold([0.0; 3], |sum, one| [0, 1, 2].map(|b| sum[b] + one[b]));
+    for (sum, whole) in sums.into_iter().zip(mean(&whole)) {
+        // long paths end by a chance that counts the work of a filter, too
+        assert!((sum / whole - 1.0).abs() < 5e-3, "{sum} of {whole}");
+    }
+    for (class, gpu) in classes.into_iter().zip(&each) {
+        let cpu = indirect(&pictures_by(1000..1008, PASSES, &scene, false, of(class)));
+        let outcome =
+            test_equal(&estimate(gpu, SIZE), &estimate(&cpu, SIZE)).unwrap_or_else(|e| panic!("{e}"));
+        assert!(outcome.accepts(SIGNIFICANCE), "{class}: {outcome:?}");
+        assert!(mean(gpu).iter().all(|x| *x > 1e-3), "{class} is dark");
+    }
+}
+
 /// Sum of some layers.
 fn layers_of(pictures: &[Picture], kept: &[Layer], factor: f32) -> Vec<Image> {
     let sum = |p: &Picture| {
@@ -262,20 +310,27 @@ fn layers_of(pictures: &[Picture], kept: &[Layer], factor: f32) -> Vec<Image> {
     pictures.iter().map(sum).collect()
 }
 
-/// Both backends estimate the same image, block by block and as a whole; the same images 2 % brighter are found to differ.
+/// Both backends estimate the same image, block by block and as a whole, with diffuse light by paths and by its map; the same
+/// images 2 % brighter are found to differ.
 #[test]
 fn gpu_and_cpu_render_the_same_image() {
     device_or_return!();
     const SIZE: u32 = 32;
     // lamps in view make the mean of the whole noisy (the edges of their image): these are compared in blocks only
     const SCATTERED: [Layer; 3] = [Layer::Direct, Layer::Caustic, Layer::Diffuse];
-    for (name, scene, passes) in [
-        ("everything", everything(SIZE), 12),
-        ("cornell", file("cornell.toml", SIZE), 12),
-        ("spheres", file("spheres.toml", SIZE), 12),
+    let by_paths = |seed| settings(seed, "L.*E");
+    let by_map = |seed| with_map(settings(seed, "L.*E"));
+    type Of = fn(u32) -> Settings;
+    for (name, scene, passes, of) in [
+        ("everything", everything(SIZE), 40, by_paths as Of),
+        ("everything, map", everything(SIZE), 12, by_map as Of),
+        ("cornell", file("cornell.toml", SIZE), 40, by_paths as Of),
+        ("cornell, map", file("cornell.toml", SIZE), 12, by_map as Of),
+        ("spheres", file("spheres.toml", SIZE), 40, by_paths as Of),
+        ("spheres, map", file("spheres.toml", SIZE), 12, by_map as Of),
     ] {
-        let gpu = pictures(0..8, passes, &scene, "L.*E", true);
-        let cpu = pictures(1000..1008, passes, &scene, "L.*E", false);
+        let gpu = pictures_by(0..8, passes, &scene, true, of);
+        let cpu = pictures_by(1000..1008, passes, &scene, false, of);
         let differ = |layers: &[Layer], block: u32, factor: f32| {
             let (a, b) = (layers_of(&gpu, layers, factor), layers_of(&cpu, layers, 1.0));
             test_equal(&estimate(&a, block), &estimate(&b, block)).unwrap_or_else(|e| panic!("{e}"))

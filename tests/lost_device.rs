@@ -5,10 +5,11 @@ mod common;
 use joton::backend::Backend;
 use joton::backend::cpu::CpuBackend;
 use joton::backend::gpu::{Context, GpuBackend};
-use joton::film::Layer;
+use joton::film::{Film, Layer};
 use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{Progress, Reason, RenderState, Stop};
+use joton::spectrum::Bands;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -33,8 +34,8 @@ fn open() -> Context {
 }
 
 /// The picture of a render whose device is lost after three of six passes is the mean of three passes of that device and three of
-/// the next one, the fourth to the sixth. Light of the maps and of the lamps' direct light, which no device decides by what it
-/// saw before; f32 sums of six numbers are equal to 1e-5.
+/// the next one, the fourth to the sixth. Direct and diffuse light, which no device decides by what it saw before; f32 sums of six
+/// numbers are equal to 1e-5. What neighbours share is that of all passes.
 #[test]
 fn the_next_device_goes_on_where_one_was_lost() {
     device_or_return!();
@@ -60,25 +61,28 @@ fn the_next_device_goes_on_where_one_was_lost() {
     assert!(rendered.failures[0].what.contains("lost"), "{}", rendered.failures[0].what);
 
     let (mut gpu, mut cpu) = (backend(open(), &scene), cpu());
-    let layers = [Layer::Direct, Layer::Diffuse];
-    let mut sums = layers.map(|_| vec![0.0f64; scene.size[0] as usize * scene.size[1] as usize]);
+    let mut film = Film::new(scene.size[0], scene.size[1]);
+    film.keep_halves();
     for pass in 0..PASSES {
         let device: &mut dyn Backend = if pass < LOST { &mut gpu } else { &mut cpu };
         let batch = device.render(pass, 1).unwrap_or_else(|e| panic!("{e}"));
-        for (sums, layer) in sums.iter_mut().zip(layers) {
-            sums.iter_mut().zip(&batch.layers[layer as usize]).for_each(|(s, l)| *s += f64::from(l[0]));
-        }
+        film.add(1, &batch.layers);
     }
-    for (sums, layer) in sums.iter().zip(layers) {
-        let picture = &rendered.picture.layers[layer as usize];
-        for (pixel, (sum, found)) in sums.iter().zip(&picture.pixels).enumerate() {
-            let (wanted, found) = (sum / PASSES as f64, f64::from(found[0]));
-            assert!(
-                (wanted - found).abs() <= 1e-5 * wanted.abs(),
-                "{layer:?}, pixel {pixel}: {found}, not {wanted}"
-            );
+    let halves = film.halves().expect("they are kept");
+    let [a, b] = &halves.means;
+    let shared = cpu.resolver().expect("eye paths are resolved").resolve([a, b], halves.parts);
+    let bare = film.picture().layers;
+    let is_near = |what: &str, wanted: &[Bands], found: &[Bands]| {
+        for (pixel, (wanted, found)) in wanted.iter().zip(found).enumerate() {
+            let [wanted, found] = [wanted, found].map(|x| f64::from(x[0]));
+            let is_near = (wanted - found).abs() <= 1e-5 * wanted.abs();
+            assert!(is_near, "{what}, pixel {pixel}: {found}, not {wanted}");
         }
-    }
+    };
+    let found = |layer: Layer| &rendered.picture.layers[layer as usize].pixels;
+    is_near("direct", &bare[Layer::Direct as usize].pixels, found(Layer::Direct));
+    is_near("diffuse", &shared.radiance, found(Layer::Diffuse));
+    assert_ne!(found(Layer::Diffuse), &bare[Layer::Diffuse as usize].pixels, "it is shared");
 }
 
 /// A device that is lost before its first pass is an error that says so, never a panic, and no picture.

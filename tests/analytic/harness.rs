@@ -6,7 +6,7 @@ use joton::backend::gpu::{Context, GpuBackend};
 use joton::film::paths::LightPaths;
 use joton::film::{LAYERS, Layer};
 use joton::packed::PackedScene;
-use joton::plan::{Plan, Settings};
+use joton::plan::{Part, Plan, Settings};
 use joton::scene::Scene;
 use joton::spectrum::BANDS;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -33,6 +33,9 @@ pub enum Renderer {
     /// The path tracer.
     PathTracer,
 }
+
+/// Ways to diffuse light: what is kept for them.
+pub const WAYS: [&[Part]; 2] = [&[], &[Part::DiffuseMap]];
 
 /// The two photon mappers; without the device where the environment opts out.
 pub fn mappers() -> Vec<Renderer> {
@@ -69,12 +72,24 @@ static DEVICE: Mutex<()> = Mutex::new(());
 
 /// Passes of the path tracer for one of a photon mapper: a single path a pixel tells little.
 const PATHS: u64 = 8;
+/// … and of a photon mapper where diffuse light comes by single paths, too, and not by a map.
+const SINGLE: u64 = 4;
 
 /// Render `scene`; about `passes` passes, more of the path tracer.
 pub fn render(renderer: Renderer, scene: &Scene, paths: &str, passes: u64) -> Shot {
+    render_keeping(renderer, scene, paths, passes, &[])
+}
+
+/// Likewise with some parts kept.
+pub fn render_keeping(renderer: Renderer, scene: &Scene, paths: &str, passes: u64, keep: &[Part]) -> Shot {
     let packed = Arc::new(PackedScene::whole(scene));
     let paths = LightPaths::parse(paths).expect("a valid expression");
-    let plan = Plan::new(&packed, Settings { paths, ..Settings::default() });
+    let plan = Plan::new(&packed, Settings { paths, keep: keep.to_vec(), ..Settings::default() });
+    let passes = match renderer {
+        Renderer::PathTracer => passes * PATHS,
+        _ if plan.has_indirect_paths() => passes * SINGLE,
+        _ => passes,
+    };
     let _alone = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut backend: Box<dyn Backend> = match renderer {
         Renderer::Cpu => Box::new(CpuBackend::new(packed, plan)),
@@ -85,7 +100,6 @@ pub fn render(renderer: Renderer, scene: &Scene, paths: &str, passes: u64) -> Sh
             Box::new(GpuBackend::new(context, packed, plan).expect("the scene fits the device"))
         }
     };
-    let passes = if renderer == Renderer::PathTracer { passes * PATHS } else { passes };
     let each = passes.div_ceil(GROUPS);
     let groups = (0..GROUPS).map(|g| {
         let batch = backend.render(g * each, each as u32).expect("renders");

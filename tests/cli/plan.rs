@@ -19,10 +19,12 @@ fn plan_can_be_read_by_programs() {
     let cost = number(&plan["milliseconds"]);
     assert!(cost > 0.0 && (sum("kernels", "milliseconds") / cost - 1.0).abs() < 1e-9);
     // it needs no device
-    let ended = folder.run_without_vulkan("plan cornell.toml");
-    assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
-    for part in ["gather (diffuse)", "gather_points", "MiB together"] {
-        assert!(ended.stdout.contains(part), "{part}: {}", ended.stdout);
+    for (keep, kernel) in [("", "  indirect "), (" --no-skip diffuse-map", "gather (diffuse)")] {
+        let ended = folder.run_without_vulkan(&format!("plan cornell.toml{keep}"));
+        assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""));
+        for part in [kernel, "gather_points", "MiB together"] {
+            assert!(ended.stdout.contains(part), "{part}: {}", ended.stdout);
+        }
     }
     let text = folder.done("plan cornell.toml").stdout;
     assert!(

@@ -6,8 +6,7 @@ use crate::folder::{Folder, QUICK, number};
 #[test]
 fn report_is_complete_and_consistent() {
     let folder = Folder::new();
-    let ended =
-        folder.done("render ring.toml --size 32x32 --device cpu --passes 24 -o a.exr --report r.json");
+    let ended = folder.done(&format!("{RING} --passes 24 --no-skip diffuse-map -o a.exr --report r.json"));
     assert_eq!(ended.stdout, "");
     let r = folder.report("r.json");
     assert!(ended.stderr.contains(r["device"].as_str().expect("a device")), "{}", ended.stderr);
@@ -40,6 +39,26 @@ fn report_is_complete_and_consistent() {
     assert!(emitted > 0.0 && absorbed > 0.0 && escaped > 0.0, "an open scene loses light: {}", r["energy"]);
     assert!((emitted - absorbed - escaped).abs() <= allowed.max(1e-6 * emitted), "{}", r["energy"]);
     assert!(allowed < 0.2 * emitted, "the balance means something");
+}
+
+const RING: &str = "render ring.toml --size 32x32 --device cpu";
+
+/// Jotons of the diffuse map tell where light goes. Without them nothing is known of it: no flux, no balance, no radius.
+#[test]
+fn report_without_a_diffuse_map_tells_no_balance() {
+    let folder = Folder::new();
+    folder.done(&format!("{RING} --passes 4 -o a.exr --report r.json"));
+    let r = folder.report("r.json");
+    let skips = r["skipped"].as_array().expect("a list");
+    assert!(skips.iter().any(|s| s["name"] == "diffuse-map" && s["reason"] == "paths-serve"), "{r}");
+    for key in ["emitted", "absorbed", "escaped"] {
+        assert_eq!(r["energy"][key], serde_json::json!([0.0, 0.0, 0.0]), "{key}");
+    }
+    for key in ["imbalance", "standard_error"] {
+        assert!(r["energy"][key].is_null(), "{key}: {}", r["energy"]);
+    }
+    assert!(r["radius"]["diffuse"].is_null() && r["radius"]["caustic"].is_array(), "{}", r["radius"]);
+    assert!(number(&r["jotons_emitted"]) > 0.0 && number(&r["error_estimate"]) > 0.0, "{r}");
 }
 
 /// A report is also written where no error can be estimated; what is not known is null, and no key is missing.

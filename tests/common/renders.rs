@@ -26,6 +26,11 @@ pub fn plan_keeping(scene: &PackedScene, paths: &str, seed: u32, keep: &[Part]) 
     Plan::new(scene, Settings { seed, paths, keep: keep.to_vec(), ..Settings::default() })
 }
 
+/// A plan whose pictures are the bare means of its passes: what neighbours share is no independent sample, and a little biased.
+pub fn unresolved(plan: Plan) -> Plan {
+    Plan { resolves: false, ..plan }
+}
+
 /// A backend that renders a plan.
 pub fn open(side: Side, scene: &Arc<PackedScene>, plan: Plan) -> Box<dyn Backend> {
     let scene = Arc::clone(scene);

@@ -21,6 +21,8 @@ pub struct Case {
     pub scene: Scene,
     /// Light path expression.
     pub paths: &'static str,
+    /// What is kept, whether the scene needs it or not.
+    pub keep: &'static [Part],
 }
 
 /// A part, where it is skipped, and the twin where it is needed.
@@ -36,11 +38,16 @@ pub struct Twins {
 }
 
 fn case(name: &'static str, scene: Scene) -> Case {
-    Case { name, scene, paths: EVERYTHING }
+    Case { name, scene, paths: EVERYTHING, keep: &[] }
 }
 
 fn only(paths: &'static str, name: &'static str, scene: Scene) -> Case {
-    Case { name, scene, paths }
+    Case { name, scene, paths, keep: &[] }
+}
+
+/// With the diffuse map, however well paths would serve.
+fn by_map(name: &'static str, scene: Scene) -> Case {
+    Case { name, scene, paths: EVERYTHING, keep: &[Part::DiffuseMap] }
 }
 
 /// One of the scenes of the repository at `size` × `size` pixels.
@@ -161,6 +168,21 @@ fn room_among_lamps(gap: bool, size: u32) -> Scene {
     b.scene
 }
 
+/// A room in which a spot makes a small part of the ceiling the lamp of all the rest: few paths find it.
+fn spotted_ceiling(size: u32) -> Scene {
+    let mut b = Builder::new([0., -0.5, 0.9], [0., -0.4, -0.5], [0., 1., 0.], 0.6, size);
+    let white = b.matte(0.5);
+    b.room([-1.; 3], [1.; 3], white);
+    b.scene.lights.push(Light::Spot {
+        position: DVec3::ZERO,
+        direction: DVec3::Y,
+        intensity: [100.0; 3],
+        angle_inner: 0.18,
+        angle_outer: 0.2,
+    });
+    b.scene
+}
+
 /// Pixels across from which on there are more jotons than the least.
 pub const WIDE: u32 = 192;
 
@@ -171,6 +193,7 @@ pub fn all(size: u32) -> Vec<Twins> {
     let wide = size.max(WIDE);
     let pedestal = || case("pedestal", file("pedestal", wide));
     let mirror_ball = || case("white plate, mirror ball", plate_with_ball(white(), mirror(0.9), size));
+    let cornell_by_map = || by_map("cornell, by map", file("cornell", size));
     let point = [[0.278, 0.5, 0.279]];
     let points = [point[0], [0.1, 0.4, 0.1]];
     let glossy = |m: &mut Material| {
@@ -237,19 +260,25 @@ pub fn all(size: u32) -> Vec<Twins> {
             Part::DiffuseMap,
             Reason::NoDiffuseSurface,
             case("mirror plate and ball", plate_with_ball(mirror(0.9), mirror(0.9), size)),
-            mirror_ball(),
+            by_map("white plate, mirror ball, by map", plate_with_ball(white(), mirror(0.9), size)),
         ),
         twins(
             Part::DiffuseMap,
             Reason::ExcludedByPaths,
             only(ONE_BOUNCE, "cornell, one bounce", file("cornell", size)),
-            cornell(),
+            cornell_by_map(),
         ),
         twins(
             Part::DiffuseMap,
             Reason::OnePlane,
             case("a plate", plate(white(), size)),
-            case("a plate and a ball", plate_with_ball(white(), white(), size)),
+            by_map("a plate and a ball, by map", plate_with_ball(white(), white(), size)),
+        ),
+        twins(
+            Part::DiffuseMap,
+            Reason::PathsServe,
+            cornell(),
+            case("a spot on the ceiling", spotted_ceiling(size)),
         ),
         twins(
             Part::Mirrors,
@@ -299,14 +328,19 @@ pub fn all(size: u32) -> Vec<Twins> {
             case("box, a point", lit_by_points(file("cornell", size), &point, 0.3)),
             case("box, two points", lit_by_points(file("cornell", size), &points, 0.3)),
         ),
-        twins(Part::Warps, Reason::NothingLearned, cornell(), pedestal()),
+        twins(Part::Warps, Reason::NothingLearned, cornell_by_map(), pedestal()),
         twins(Part::FaintLight, Reason::FaintAmongStrong, case("hall", hall(size)), cornell()),
         twins(Part::UnseenLight, Reason::LightElsewhere, case("rooms", file("rooms", size)), cornell()),
-        twins(Part::UnseenJotons, Reason::JotonsElsewhere, case("rooms", file("rooms", size)), cornell()),
+        twins(
+            Part::UnseenJotons,
+            Reason::JotonsElsewhere,
+            by_map("rooms, by map", file("rooms", size)),
+            cornell_by_map(),
+        ),
         twins(
             Part::Background,
             Reason::MuchBackground,
-            pedestal(),
+            by_map("pedestal, by map", file("pedestal", wide)),
             case("pedestal in a room", pedestal_in_a_room(wide)),
         ),
         twins(

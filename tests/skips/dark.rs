@@ -125,7 +125,8 @@ fn what_stands_on_a_plane_is_not_in_it() {
         b.scene
     };
     let standing = Arc::new(PackedScene::new(&corner(0.002)));
-    assert_eq!(why(&standing, Part::DiffuseMap), None);
-    let picture = run(Side::PathTracer, &standing, plan(&standing, EVERYTHING, 1, &[]), PATHS).picture;
+    let plan = plan(&standing, EVERYTHING, 1, &[]);
+    assert!(plan.traces(Layer::Diffuse), "{:?}", plan.skipped);
+    let picture = run(Side::PathTracer, &standing, plan, PATHS).picture;
     assert!(!is_black(&picture, Layer::Diffuse), "light goes from the floor to the wall");
 }

@@ -1,10 +1,10 @@
 //! Keeping what is skipped costs time and changes nothing.
 
-use crate::common::twins::{self, EVERYTHING, WIDE, file};
-use crate::renders::{SCENES, Side, bits, both, is_alike, plan, run};
+use crate::common::twins::{self, Case, EVERYTHING, WIDE, file};
+use crate::renders::{SCENES, Side, bits, both, is_alike, plan, run, unresolved};
 use joton::film::{Layer, Picture};
 use joton::packed::PackedScene;
-use joton::plan::{Part, Plan};
+use joton::plan::{Part, Plan, Reason};
 use std::sync::Arc;
 
 const SIZE: u32 = 24;
@@ -13,6 +13,16 @@ const SIZE: u32 = 24;
 /// leaves out what adds nothing: images are equal bit by bit.
 const STATISTICAL: [Part; 6] =
     [Part::OutOfReach, Part::FaintLight, Part::UnseenLight, Part::UnseenJotons, Part::Background, Part::Rest];
+
+/// Whether skipping a part for this reason changes random numbers.
+fn is_statistical(part: Part, why: Reason) -> bool {
+    STATISTICAL.contains(&part) || why == Reason::PathsServe
+}
+
+/// The plans of a case as it is, and with a part kept.
+fn plans(scene: &PackedScene, case: &Case, part: Part) -> [Plan; 2] {
+    [&[][..], &[part]].map(|keep| plan(scene, case.paths, 1, &[case.keep, keep].concat()))
+}
 
 /// Of these scenes each part that is skipped is kept alone, too.
 const ALONE: [&str; 2] = ["cornell", "pedestal"];
@@ -46,10 +56,10 @@ const ROUNDING: f32 = 1e-5;
 /// code; on the host it is the order of a sum, too.
 #[test]
 fn what_adds_nothing_changes_no_bit() {
-    for t in twins::all(SIZE).iter().filter(|t| !STATISTICAL.contains(&t.part)) {
+    for t in twins::all(SIZE).iter().filter(|t| !is_statistical(t.part, t.why)) {
         let scene = Arc::new(PackedScene::new(&t.without.scene));
         for side in both() {
-            let plans = [&[][..], &[t.part]].map(|keep| plan(&scene, t.without.paths, 1, keep));
+            let plans = plans(&scene, &t.without, t.part);
             assert!(is_more(&plans), "{:?}: keeping it does nothing", t.part);
             let [skipped, kept] =
                 plans.map(|plan| bits(&run(side, &scene, plan, 1).picture).into_flattened());
@@ -101,7 +111,7 @@ fn leaving_out_what_is_needed_changes_the_image() {
     let mut done: Vec<Part> = Vec::new();
     for t in twins::all(SIZE) {
         let scene = Arc::new(PackedScene::new(&t.with.scene));
-        let own = plan(&scene, t.with.paths, 1, &[]);
+        let own = plan(&scene, t.with.paths, 1, t.with.keep);
         let Some(less) = deprived(own.clone(), t.part).filter(|_| !done.contains(&t.part)) else { continue };
         done.push(t.part);
         let is_layer = own.layers != less.layers;
@@ -118,7 +128,7 @@ fn leaving_out_what_is_needed_changes_the_image() {
 fn what_is_needed_costs_nothing() {
     for t in twins::all(SIZE) {
         let scene = Arc::new(PackedScene::new(&t.with.scene));
-        let [own, kept] = [&[][..], &[t.part]].map(|keep| plan(&scene, t.with.paths, 1, keep));
+        let [own, kept] = plans(&scene, &t.with, t.part);
         assert_eq!(own.skipped, kept.skipped, "{:?}: {}", t.part, t.with.name);
         assert_eq!(own.features, kept.features, "{:?}: {}", t.part, t.with.name);
         let [own, kept] = [own, kept].map(|plan| {
@@ -137,15 +147,20 @@ const NARROW: f64 = 0.3;
 /// layer, seeds that are not the same. Of the others reach.rs and picks.rs, and elsewhere the tests of marks and of rest, say so.
 #[test]
 fn what_changes_numbers_keeps_the_mean() {
-    // side, scene, pixels across, parts, renders of each kind
+    // the diffuse map is what most of them are about
+    let (by_map, by_paths) = (&[Part::DiffuseMap][..], &[][..]);
+    // side, scene, pixels across, what is kept in both, parts, renders of each kind
     let cases = [
-        (Side::Host, "rooms", SIZE, &[Part::UnseenLight][..], 12),
-        (Side::Host, "pedestal", WIDE, &[Part::Background], 6),
-        (Side::Device, "pedestal", SIZE, &[Part::UnseenLight], 4),
+        (Side::Host, "rooms", SIZE, by_map, &[Part::UnseenLight][..], 12),
+        (Side::Host, "pedestal", WIDE, by_map, &[Part::Background], 6),
+        (Side::Device, "pedestal", SIZE, by_map, &[Part::UnseenLight], 4),
+        (Side::Host, "pedestal", SIZE, by_paths, &[Part::DiffuseMap], 12),
+        (Side::Device, "cornell", SIZE, by_paths, &[Part::DiffuseMap], 6),
     ];
-    for (side, name, size, parts, seeds) in cases.into_iter().filter(|c| both().contains(&c.0)) {
+    for (side, name, size, always, parts, seeds) in cases.into_iter().filter(|c| both().contains(&c.0)) {
         let scene = Arc::new(PackedScene::new(&file(name, size)));
-        let plans = [&[][..], parts].map(|keep| plan(&scene, EVERYTHING, 0, keep));
+        let plans =
+            [&[][..], parts].map(|keep| unresolved(plan(&scene, EVERYTHING, 0, &[always, keep].concat())));
         let [own, kept] = plans.each_ref();
         assert!(
             parts.iter().all(|part| own.skipped.iter().any(|s| s.what == *part)),

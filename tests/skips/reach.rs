@@ -3,7 +3,7 @@
 use crate::common::random;
 use crate::common::scenes::{Builder, emitter, glass};
 use crate::common::twins::{self, EVERYTHING};
-use crate::renders::{Side, both, is_alike, packed, plan, run};
+use crate::renders::{Side, both, is_alike, packed, plan, run, unresolved};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use joton::film::Picture;
 use joton::packed::{OutOfReach, PackedScene};
@@ -324,7 +324,7 @@ fn what_is_out_of_reach_gives_no_light() {
     let mut radius = None;
     let [without, with] = [&[][..], &[Part::OutOfReach]].map(|keep| {
         let scene = packed(&twin.without.scene, keep);
-        let mut plan = plan(&scene, EVERYTHING, 0, keep);
+        let mut plan = unresolved(plan(&scene, EVERYTHING, 0, keep));
         plan.diffuse.base = *radius.get_or_insert(plan.diffuse.base * scene.world_scale) / scene.world_scale;
         first += RENDERS;
         let render = |seed| {

@@ -1,6 +1,6 @@
 //! Rendering with and without skips.
 
-pub use crate::common::renders::{Side, plan_keeping as plan, run};
+pub use crate::common::renders::{Side, plan_keeping as plan, run, unresolved};
 use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
 use joton::packed::PackedScene;

@@ -5,7 +5,7 @@ use crate::chi_square::{Claims, draws, p_value, seed};
 use crate::common::scenes::{Builder, emitter, glass, three_glass_spheres};
 use crate::common::{Row, dvec3, floats, row};
 use crate::device::Device;
-use crate::renders::{Side, file, layer, pictures, plan};
+use crate::renders::{Planner, Side, file, layer, pictures, pictures_of, plan, plan_by_map};
 use glam::DVec3;
 use joton::backend::cpu::harness;
 use joton::film::Layer;
@@ -237,21 +237,29 @@ fn guided_light_is_the_same() {
         if side == Side::Device && crate::common::device().is_none() {
             continue;
         }
-        let renders = |guide: &Guide, candidates: u32, first: u32| {
-            pictures(side, &scene, "L.*E", first..first + 10, 4, |plan| {
-                plan.light_candidates = candidates;
-                plan.guides =
-                    Arc::new(Guides { diffuse: guide.clone(), direct: guide.clone(), ..Guides::default() });
-            })
-        };
-        let (plain, guided) = (renders(&Guide::default(), 1, 0), renders(&lopsided(&scene), 8, 20));
-        for which in [Layer::Direct, Layer::Diffuse] {
-            for block in [4, SIZE] {
-                let [a, b] = [&plain, &guided].map(|p| {
-                    Estimate::from_renders(&layer(p, which), block).unwrap_or_else(|e| panic!("{e}"))
-                });
-                let outcome = test_equal(&a, &b).unwrap_or_else(|e| panic!("{e}"));
-                claims.add(format!("{side:?}, {}, blocks of {block}", which.name()), outcome.p_value);
+        for (way, planner) in [("map", plan_by_map as Planner), ("paths", plan)] {
+            let renders = |guide: &Guide, candidates: u32, first: u32| {
+                pictures_of(planner, side, &scene, "L.*E", first..first + 10, 4, |plan| {
+                    plan.light_candidates = candidates;
+                    plan.guides = Arc::new(Guides {
+                        diffuse: guide.clone(),
+                        direct: guide.clone(),
+                        ..Guides::default()
+                    });
+                })
+            };
+            let (plain, guided) = (renders(&Guide::default(), 1, 0), renders(&lopsided(&scene), 8, 20));
+            for which in [Layer::Direct, Layer::Diffuse] {
+                for block in [4, SIZE] {
+                    let [a, b] = [&plain, &guided].map(|p| {
+                        Estimate::from_renders(&layer(p, which), block).unwrap_or_else(|e| panic!("{e}"))
+                    });
+                    let outcome = test_equal(&a, &b).unwrap_or_else(|e| panic!("{e}"));
+                    claims.add(
+                        format!("{side:?}, {way}, {}, blocks of {block}", which.name()),
+                        outcome.p_value,
+                    );
+                }
             }
         }
     }

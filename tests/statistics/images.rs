@@ -6,7 +6,7 @@
 
 use crate::chi_square::{Claims, SIGNIFICANCE};
 use crate::device_or_return;
-use crate::renders::{EVERYTHING, Side, file, layer, pictures};
+use crate::renders::{EVERYTHING, Planner, Side, file, layer, pictures, pictures_of, plan, plan_by_map};
 use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
 use joton::packed::PackedScene;
@@ -81,9 +81,13 @@ fn device_and_host_agree_in_every_layer() {
     let mut claims = Claims::default();
     for name in ["cornell.toml", "spheres.toml", "pool.toml", "ring.toml"] {
         let scene = scene(name);
-        let [a, b] =
-            [Side::Device, Side::Host].map(|s| pictures(s, &scene, EVERYTHING, 0..SEEDS, PASSES, |_| ()));
-        claim(&mut claims, name, &a, &b, &Layer::ALL, &BLOCKS);
+        for (way, planner, layers) in
+            [("paths", plan as Planner, &Layer::ALL[..]), ("map", plan_by_map, &[Layer::Diffuse])]
+        {
+            let [a, b] = [Side::Device, Side::Host]
+                .map(|s| pictures_of(planner, s, &scene, EVERYTHING, 0..SEEDS, PASSES, |_| ()));
+            claim(&mut claims, &format!("{name}, {way}"), &a, &b, layers, &BLOCKS);
+        }
     }
     claims.hold();
 }
@@ -127,7 +131,7 @@ fn narrow(plan: &mut Plan) {
     plan.diffuse.base *= NARROW[1];
 }
 
-/// At narrow radii, where bias is below the noise, the maps have the path tracer's light in every pixel and layer.
+/// At narrow radii, where bias is below the noise, the maps, and eye paths that go on, have the path tracer's light in every pixel and layer.
 #[test]
 fn maps_agree_with_the_path_tracer() {
     const PASSES: u64 = 8;
@@ -144,8 +148,11 @@ fn maps_agree_with_the_path_tracer() {
             if side == Side::Device && crate::common::device().is_none() {
                 continue;
             }
-            let maps = pictures(side, &scene, EVERYTHING, 0..SEEDS, PASSES, narrow);
-            claim(&mut claims, &format!("{name}, {side:?}"), &maps, &paths, &Layer::ALL, &BLOCKS);
+            for (way, planner) in [("map", plan_by_map as Planner), ("paths", plan)] {
+                let maps = pictures_of(planner, side, &scene, EVERYTHING, 0..SEEDS, PASSES, narrow);
+                let name = format!("{name}, {side:?}, {way}");
+                claim(&mut claims, &name, &maps, &paths, &Layer::ALL, &BLOCKS);
+            }
         }
     }
     claims.hold();

@@ -1,7 +1,7 @@
 //! Negative light: the weights that make up for what a disc loses at an edge [E15] can be negative, nothing else can. Without
 //! any clamp it averages out.
 
-use crate::renders::{EVERYTHING, Side, file, open, plan};
+use crate::renders::{EVERYTHING, Side, file, open, plan_by_map};
 use joton::film::{Film, Layer};
 use joton::packed::PackedScene;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ fn negative_light_averages_out() {
                 continue;
             }
             let scene = Arc::new(PackedScene::new(&file(name, SIZE)));
-            let mut plan = plan(&scene, EVERYTHING, 1);
+            let mut plan = plan_by_map(&scene, EVERYTHING, 1);
             plan.diffuse_jotons = JOTONS;
             let mut backend = open(side, &scene, plan);
             let mut film = Film::new(SIZE, SIZE);

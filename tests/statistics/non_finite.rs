@@ -1,6 +1,6 @@
 //! Values that are not finite: counted by their cause, in the report too, and kept out of the film.
 
-use crate::renders::{EVERYTHING, Side, file, open, plan};
+use crate::renders::{EVERYTHING, Planner, Side, file, open, plan, plan_by_map};
 use joton::backend::{Cause, NonFinite};
 use joton::film::Layer;
 use joton::output::report::{Circumstances, Report};
@@ -13,9 +13,9 @@ const PASSES: u64 = 3;
 const BAND: usize = 1;
 
 /// Render Cornell's box with something spoilt in it.
-fn spoilt(side: Side, spoil: impl Fn(&mut PackedScene)) -> (Rendered, Report) {
+fn spoilt(side: Side, planner: Planner, spoil: impl Fn(&mut PackedScene)) -> (Rendered, Report) {
     let mut scene = PackedScene::new(&file("cornell.toml", 16));
-    let plan = plan(&scene, EVERYTHING, 1);
+    let plan = planner(&scene, EVERYTHING, 1);
     spoil(&mut scene);
     let scene = Arc::new(scene);
     let mut backend = open(side, &scene, plan.clone());
@@ -67,9 +67,9 @@ fn check(name: &str, (rendered, report): &(Rendered, Report), cause: Cause) {
 /// Jotons of infinite or undefined flux are not stored; the other layers are what they were.
 #[test]
 fn spoilt_jotons_are_left_out() {
-    let whole = spoilt(Side::Host, |_| ());
+    let whole = spoilt(Side::Host, plan_by_map, |_| ());
     assert_eq!(whole.0.tally.non_finite, NonFinite::default());
-    let found = spoilt(Side::Host, spoil_flux(f32::NAN));
+    let found = spoilt(Side::Host, plan_by_map, spoil_flux(f32::NAN));
     check("NaN", &found, Cause::Joton);
     let [was, is] = [&whole.0, &found.0].map(|r| &r.picture.layers);
     assert!(was[Layer::Diffuse as usize].pixels.iter().flatten().any(|x| *x > 0.0), "there was light");
@@ -83,14 +83,20 @@ fn spoilt_jotons_are_left_out() {
 fn spoilt_radiance_is_left_out() {
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let name = format!("{value}");
-        check(&name, &spoilt(Side::Host, spoil_radiance(value)), Cause::Pixel);
-        check(&name, &spoilt(Side::PathTracer, spoil_radiance(value)), Cause::Path);
-        if crate::common::device().is_some() {
-            check(&name, &spoilt(Side::Device, spoil_radiance(value)), Cause::ReadBack);
+        check(&name, &spoilt(Side::PathTracer, plan, spoil_radiance(value)), Cause::Path);
+        for planner in [plan_by_map as Planner, plan] {
+            check(&name, &spoilt(Side::Host, planner, spoil_radiance(value)), Cause::Pixel);
+            if crate::common::device().is_some() {
+                check(&name, &spoilt(Side::Device, planner, spoil_radiance(value)), Cause::ReadBack);
+            }
         }
     }
     if crate::common::device().is_some() {
-        check("jotons of the device", &spoilt(Side::Device, spoil_flux(f32::NAN)), Cause::ReadBack);
+        check(
+            "jotons of the device",
+            &spoilt(Side::Device, plan_by_map, spoil_flux(f32::NAN)),
+            Cause::ReadBack,
+        );
     }
 }
 

@@ -1,7 +1,7 @@
 //! Random scenes: what must hold of any. A few in CI; `PROPTEST_CASES=n` renders n, the few first.
 
 use crate::recipe::{Recipe, SIZE, recipe};
-use crate::renders::{EVERYTHING, Side, open, plan};
+use crate::renders::{EVERYTHING, Planner, Side, open, plan, plan_by_map};
 use joton::backend::Tally;
 use joton::film::{LAYERS, Layer};
 use joton::packed::PackedScene;
@@ -41,8 +41,8 @@ struct Rendered {
 }
 
 /// Render pass by pass; what is not finite fails at once.
-fn render(side: Side, scene: &Arc<PackedScene>, paths: &str, passes: u32) -> Rendered {
-    let mut plan = plan(scene, paths, 1 + side as u32);
+fn render(side: Side, planner: Planner, scene: &Arc<PackedScene>, paths: &str, passes: u32) -> Rendered {
+    let mut plan = planner(scene, paths, 1 + side as u32);
     for jotons in [&mut plan.caustic_jotons, &mut plan.diffuse_jotons] {
         *jotons = (*jotons).min(JOTONS);
     }
@@ -135,26 +135,34 @@ fn check(recipe: &Recipe) -> Result<(), String> {
     let scene = Arc::new(PackedScene::new(&recipe.scene()));
     let area: f64 = scene.triangles.iter().map(|t| f64::from(t.area())).sum();
     let unit = NOTHING * scene.total_flux.iter().copied().fold(0.0, f64::max) / area;
-    let host = render(Side::Host, &scene, EVERYTHING, PASSES);
+    let host = render(Side::Host, plan, &scene, EVERYTHING, PASSES);
     host.check_energy()?;
     host.check_sign(unit)?;
+    // jotons of the diffuse map tell most of the balance
+    let by_map = render(Side::Host, plan_by_map, &scene, EVERYTHING, PASSES);
+    by_map.check_energy()?;
+    by_map.check_sign(unit)?;
     // light that one bounce brings, and no mirror: the path tracer finds all of it
     let bounced = [Side::Host, Side::PathTracer].map(|side| {
         let passes = if side == Side::Host { PASSES } else { PATHS };
-        render(side, &scene, "LDDE", passes)
+        render(side, plan, &scene, "LDDE", passes)
     });
     bounced[0].check_alike(&bounced[1], Layer::Diffuse, 0.2, unit)?;
-    let path_tracer = render(Side::PathTracer, &scene, EVERYTHING, PATHS);
+    let path_tracer = render(Side::PathTracer, plan, &scene, EVERYTHING, PATHS);
     for layer in [Layer::Emission, Layer::Direct] {
         host.check_alike(&path_tracer, layer, 0.02, unit)?;
     }
     if crate::common::device().is_some() {
-        let device = render(Side::Device, &scene, EVERYTHING, PASSES);
+        let device = render(Side::Device, plan, &scene, EVERYTHING, PASSES);
         device.check_energy()?;
         device.check_sign(unit)?;
         for layer in Layer::ALL {
             device.check_alike(&host, layer, 0.02, unit)?;
         }
+        let device = render(Side::Device, plan_by_map, &scene, EVERYTHING, PASSES);
+        device.check_energy()?;
+        device.check_sign(unit)?;
+        device.check_alike(&by_map, Layer::Diffuse, 0.02, unit)?;
     }
     Ok(())
 }

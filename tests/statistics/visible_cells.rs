@@ -1,7 +1,7 @@
 //! Visible cells [E23]: whatever cells are marked, the image is the same; and few jotons are stored out of view.
 
 use crate::chi_square::Claims;
-use crate::renders::{EVERYTHING, Side, file, layer, pictures, plan, run};
+use crate::renders::{EVERYTHING, Side, file, layer, pictures_of, plan_by_map, run};
 use joton::film::Layer;
 use joton::film::stats::{Estimate, test_equal};
 use joton::packed::{PackedScene, VisibleCells};
@@ -24,7 +24,7 @@ fn jotons_out_of_marks_count_for_all() {
             continue;
         }
         let renders = |visible_cells: Option<&Arc<VisibleCells>>, first: u32| {
-            let p = pictures(side, &scene, EVERYTHING, first..first + 8, 4, |plan| {
+            let p = pictures_of(plan_by_map, side, &scene, EVERYTHING, first..first + 8, 4, |plan| {
                 plan.visible_cells = visible_cells.cloned()
             });
             layer(&p, Layer::Diffuse)
@@ -44,9 +44,9 @@ fn jotons_out_of_marks_count_for_all() {
 #[test]
 fn jotons_out_of_view_are_not_stored() {
     let scene = Arc::new(PackedScene::new(&file("rooms.toml", 32)));
-    assert!(plan(&scene, EVERYTHING, 0).visible_cells.is_some());
+    assert!(plan_by_map(&scene, EVERYTHING, 0).visible_cells.is_some());
     let share = |side| {
-        let t = run(side, &scene, plan(&scene, EVERYTHING, 0), 4).tally;
+        let t = run(side, &scene, plan_by_map(&scene, EVERYTHING, 0), 4).tally;
         t.jotons_not_stored as f64 / (t.jotons_not_stored + t.jotons_stored) as f64
     };
     let host = share(Side::Host);

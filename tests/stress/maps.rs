@@ -4,7 +4,7 @@
 use crate::build::{Build, Look, black, clear, glowing, matte, v};
 use crate::harness::{Renderer, mappers};
 use crate::sheet::{Sheet, Stress, sized};
-use crate::shoot::{alike, batch, images, open, seed, shots_of};
+use crate::shoot::{alike, batch, images, open, seed, seed_by_map, shots_of};
 use joton::film::{Image, Layer};
 use joton::plan::Plan;
 use joton::scene::{Material, Scene};
@@ -35,18 +35,21 @@ fn empty(sheet: &mut Sheet) {
     // and a lid before it
     b.quad(v(-0.6, 0.99, -0.6), v(1.2, 0., 0.), v(0., 0., 1.2), &black());
     for who in mappers() {
-        let seen = batch(&mut *open(who, &b.0, seed(1), &|_| ()), 0, 4);
-        let lit =
-            |layer: Layer| seen.layers[layer as usize].iter().flatten().filter(|x| **x != 0.0).count() as u64;
-        let gathered = lit(Layer::Caustic) + lit(Layer::Diffuse);
-        sheet.none("black walls", format!("{who:?}"), "values of gathered light", gathered);
-        sheet.none("black walls", format!("{who:?}"), "jotons stored", seen.tally.jotons_stored);
+        for (name, settings) in [("black walls, map", seed_by_map(1)), ("black walls, paths", seed(1))] {
+            let seen = batch(&mut *open(who, &b.0, settings, &|_| ()), 0, 4);
+            let lit = |layer: Layer| {
+                seen.layers[layer as usize].iter().flatten().filter(|x| **x != 0.0).count() as u64
+            };
+            let gathered = lit(Layer::Caustic) + lit(Layer::Diffuse);
+            sheet.none(name, format!("{who:?}"), "values of gathered light", gathered);
+            sheet.none(name, format!("{who:?}"), "jotons stored", seen.tally.jotons_stored);
+        }
     }
 }
 
 /// What both maps hold, in groups of passes of a changed plan.
 fn groups(who: Renderer, scene: &Scene, passes: u32, adjust: &dyn Fn(&mut Plan)) -> Vec<Image> {
-    images(&shots_of(who, scene, seed(1), passes, adjust), &[Layer::Caustic, Layer::Diffuse], 1.0)
+    images(&shots_of(who, scene, seed_by_map(1), passes, adjust), &[Layer::Caustic, Layer::Diffuse], 1.0)
 }
 
 /// One joton a pass in each map: noisy, and right in the mean.

@@ -5,7 +5,7 @@ use crate::build::{Build, glowing, matte, v};
 use crate::common::{device, kernel, pass_info};
 use crate::harness::{Renderer, everyone, mappers};
 use crate::sheet::{Sheet, Stress, sized};
-use crate::shoot::{alike, batch, few_jotons, images, open, seed, shots};
+use crate::shoot::{alike, batch, few_jotons, images, open, seed, seed_by_map, shots};
 use joton::backend::Batch;
 use joton::backend::gpu::harness::{Harness, Work};
 use joton::film::{Film, Layer};
@@ -77,7 +77,7 @@ fn power(sheet: &mut Sheet) {
     let flux = PackedScene::new(&scene).total_flux;
     for who in mappers() {
         let passes = if who == Renderer::Cpu { sized(2_000, 100_000) } else { sized(100, 5_000) };
-        let mut backend = open(who, &scene, seed(0), &|plan: &mut Plan| plan.diffuse_jotons = JOTONS);
+        let mut backend = open(who, &scene, seed_by_map(0), &|plan: &mut Plan| plan.diffuse_jotons = JOTONS);
         let (mut emitted, mut ended) = (0.0, 0.0);
         for pass in 0..passes {
             let tally = batch(&mut *backend, pass, 1).tally;
@@ -100,11 +100,11 @@ fn power(sheet: &mut Sheet) {
 }
 
 /// Mean of passes around `first` against that of the first ones; the radius is nobody's here, the light is even enough.
-fn passes_from(sheet: &mut Sheet, tried: &str, who: Renderer, first: u64) {
+fn passes_from(sheet: &mut Sheet, tried: &str, who: Renderer, settings: Settings, first: u64) {
     const PASSES: u32 = 8;
     let scene = room(SIZE);
-    let early = images(&shots(who, &scene, seed(0), 2), &Layer::ALL, 1.0);
-    let mut backend = open(who, &scene, seed(0), &few_jotons);
+    let early = images(&shots(who, &scene, settings.clone(), 2), &Layer::ALL, 1.0);
+    let mut backend = open(who, &scene, settings, &few_jotons);
     let late: Vec<_> = (0..PASSES)
         .map(|k| {
             let mut film = Film::new(SIZE, SIZE);
@@ -118,7 +118,7 @@ fn passes_from(sheet: &mut Sheet, tried: &str, who: Renderer, first: u64) {
 /// The index of a pass is cut to 32 bits for its random numbers.
 fn late_passes(sheet: &mut Sheet) {
     for who in everyone() {
-        passes_from(sheet, "around pass 2^32", who, u64::from(u32::MAX) - 3);
+        passes_from(sheet, "around pass 2^32", who, seed(0), u64::from(u32::MAX) - 3);
     }
 }
 
@@ -126,7 +126,7 @@ fn late_passes(sheet: &mut Sheet) {
 fn wrapped_jotons(sheet: &mut Sheet) {
     for who in mappers() {
         // 2^12 jotons a pass
-        passes_from(sheet, "around joton 2^32", who, (1 << 20) - 4);
+        passes_from(sheet, "around joton 2^32", who, seed_by_map(0), (1 << 20) - 4);
     }
 }
 

@@ -8,7 +8,7 @@ use joton::backend::{Backend, Batch};
 use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Film, Image, Layer, Picture};
 use joton::packed::PackedScene;
-use joton::plan::{Plan, Settings};
+use joton::plan::{Part, Plan, Settings};
 use joton::scene::Scene;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,6 +39,11 @@ pub fn open(
 /// A seed and else what everyone gets.
 pub fn seed(seed: u32) -> Settings {
     Settings { seed, ..Settings::default() }
+}
+
+/// Likewise, with diffuse light by its map.
+pub fn seed_by_map(seed: u32) -> Settings {
+    Settings { seed, keep: vec![Part::DiffuseMap], ..Settings::default() }
 }
 
 /// Finite, by its bits: no compiler may assume the answer.
