@@ -195,7 +195,7 @@ fn claim_pixels(
 }
 
 fn check(who: Renderer, far: Far) {
-    let shot = render(who, &far.build().0, EVERYTHING, 48);
+    let shot = render(who, &far.build().0, EVERYTHING, 72);
     claim(&shot, far, Layer::Direct, 0.01, |met| match met {
         Met::Floor(x, y) if !Far::under(x, y, 0.05) && y < 0.7 => Some(FLOOR / PI * far.straight(x, y)),
         _ => None,
