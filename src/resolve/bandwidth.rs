@@ -59,7 +59,7 @@ struct Moments {
     /// Product of what both halves change from the choice before, and its square.
     step: f32,
     step_squared: f32,
-    /// The square of the lesser of both changes, negative where they differ in sign: what one half alone has found is no step.
+    /// What of it both halves agree on.
     least_step: f32,
 }
 
@@ -92,6 +92,13 @@ impl Sources<'_> {
         std::array::from_fn(|b| self.parts[0] * halves[0][b] + self.parts[1] * halves[1][b])
     }
 
+    /// Variance of that mean, as the halves differ, in the mean over the bands.
+    pub(super) fn variance(&self, halves: &[Bands; 2]) -> f32 {
+        let [a, b] = self.parts;
+        let squares = halves[0].iter().zip(&halves[1]).map(|(x, y)| (x - y) * (x - y));
+        a * b * squares.sum::<f32>() / BANDS as f32
+    }
+
     /// Irradiance by one choice at a patch of a pixel that tells this.
     pub(super) fn choose(&self, choice: usize, patch: &Patch, pixel: u32, told: &Told) -> Option<[Bands; 2]> {
         match choice.checked_sub(1) {
@@ -107,11 +114,20 @@ impl Sources<'_> {
 
     /// What a pixel tells.
     pub(super) fn told(&self, pixel: u32) -> Told {
-        {
-            let is_mixed = self.surfaces.is_mixed(pixel as usize);
-            Told::new(self.surfaces.at(pixel as usize), is_mixed, self.own(pixel))
-        }
+        let is_mixed = self.surfaces.is_mixed(pixel as usize);
+        Told::new(self.surfaces.at(pixel as usize), is_mixed, self.own(pixel))
     }
+}
+
+/// The square of the lesser of what both halves say, negative where they differ in sign: what one alone has found is nothing.
+pub(super) fn agreed(x: f32, y: f32) -> f32 {
+    let least = x.abs().min(y.abs());
+    (least * least).copysign(x * y)
+}
+
+/// A mean square as far as it is more than chance, of this squared standard error: 0 below the square root of `doubt` of these.
+pub(super) fn credible(mean: f32, uncertain: f32, doubt: f32) -> f32 {
+    if mean > 0.0 { mean * (1.0 - doubt * uncertain / (mean * mean)).max(0.0) } else { 0.0 }
 }
 
 /// Radius of a choice's kernel, pixels.
@@ -146,7 +162,7 @@ impl Bandwidths {
     pub(super) fn at(&self, patch: &Patch, at: Vec2) -> Option<Errors> {
         let reach = 1.5 * CELL as f32;
         let (mut sum, mut errors) = (0.0, [[0.0; 2]; CHOICES]);
-        for row in rows(at, reach, self.size, CELL) {
+        for row in rows(at, reach, self.size) {
             let ids = self.first[row.start] as usize..self.first[row.end] as usize;
             for (cell, mine) in &self.cells[ids] {
                 let away = cell.at.distance_squared(at);
@@ -166,10 +182,10 @@ impl Bandwidths {
     }
 }
 
-/// Ranges of blocks, a row each, within `reach` pixels.
-fn rows(at: Vec2, reach: f32, size: [u32; 2], width: u32) -> impl Iterator<Item = Range<usize>> {
+/// Ranges of cells, a row each, within `reach` pixels.
+fn rows(at: Vec2, reach: f32, size: [u32; 2]) -> impl Iterator<Item = Range<usize>> {
     let range = |at: f32, n: u32| {
-        let of = |x: f32| (x.max(0.0) as u32 / width).min(n - 1);
+        let of = |x: f32| (x.max(0.0) as u32 / CELL).min(n - 1);
         of(at - reach)..of(at + reach) + 1
     };
     let columns = range(at.x, size[0]);
@@ -219,20 +235,17 @@ fn sampled(sources: &Sources<'_>, cell: u32, across: u32) -> Vec<Cell> {
 
 /// Of the estimates of one pixel.
 fn moments(sources: &Sources<'_>, all: &[Option<[Bands; 2]>; CHOICES]) -> [Moments; CHOICES] {
-    let [a, b] = sources.parts;
     let over = 1.0 / BANDS as f32;
     let mut before: Option<[Bands; 2]> = None;
     std::array::from_fn(|choice| {
         let Some(halves) = all[choice] else { return Moments::default() };
-        let mut m = Moments { samples: 1.0, ..Moments::default() };
-        for band in 0..BANDS {
-            let [x, y] = [halves[0][band], halves[1][band]];
-            m.variance += over * a * b * (x - y) * (x - y);
-            if let Some(finer) = before {
-                let (dx, dy) = (x - finer[0][band], y - finer[1][band]);
-                m.step += over * dx * dy;
-                let least = dx.abs().min(dy.abs());
-                m.least_step += over * (least * least).copysign(dx * dy);
+        let variance = sources.variance(&halves);
+        let mut m = Moments { samples: 1.0, variance, ..Moments::default() };
+        if let Some(finer) = before {
+            for band in 0..BANDS {
+                let [x, y] = [0, 1].map(|h: usize| halves[h][band] - finer[h][band]);
+                m.step += over * x * y;
+                m.least_step += over * agreed(x, y);
             }
         }
         m.step_squared = m.step * m.step;
@@ -268,7 +281,7 @@ fn pooled(cell: &Cell, all: &[Cell], first: &[u32], size: [u32; 2]) -> Errors {
         let (mut variance, mut samples) = (0.0f32, 0.0f32);
         let mut wide = Steps::within(reach.max(POOL_LEAST));
         let mut near = Steps::within(POOL_NEAR);
-        for row in rows(cell.at, widely, size, CELL) {
+        for row in rows(cell.at, widely, size) {
             for other in &all[first[row.start] as usize..first[row.end] as usize] {
                 let away = other.at.distance_squared(cell.at);
                 let inside = 1.0 - away / (widely * widely);
@@ -330,6 +343,6 @@ impl Steps {
         let independent = (self.n * self.n / self.nn / together).max(1.0);
         let by_chance = (2.0 * before).powi(2) / independent;
         let uncertain = by_chance.max(self.squares / (self.n * self.n));
-        mean * (1.0 - doubt * uncertain / (mean * mean)).max(0.0)
+        credible(mean, uncertain, doubt)
     }
 }

@@ -10,7 +10,7 @@ mod surfaces;
 
 use crate::packed::PackedScene;
 use crate::spectrum::{BANDS, BLACK, Bands, add, mul, scale};
-use bandwidth::{Bandwidths, CHOICES, Errors, LEVELS, Sources};
+use bandwidth::{Bandwidths, CHOICES, Errors, LEVELS, Sources, agreed, credible};
 use pyramid::{Level, Told, middle};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -98,9 +98,7 @@ fn of_pixel(sources: &Sources<'_>, bandwidths: &Bandwidths, pixel: u32) -> Optio
 fn weighed(sources: &Sources<'_>, shared: &[Option<Estimate>], pixel: u32) -> (Bands, [f32; 2]) {
     let own = sources.own(pixel);
     let Some(all) = &shared[pixel as usize] else {
-        let [a, b] = sources.parts;
-        let square = |i: usize| a * b * (own[0][i] - own[1][i]).powi(2);
-        return (sources.mean(&own), [(0..BANDS).map(square).sum::<f32>() / BANDS as f32, 0.0]);
+        return (sources.mean(&own), [sources.variance(&own), 0.0]);
     };
     // one pass has no second half that could say so
     let is_mixed = sources.parts[1] > 0.0 && sources.surfaces.is_mixed(pixel as usize);
@@ -117,7 +115,6 @@ fn mixed(sources: &Sources<'_>, shared: &[Option<Estimate>], pixel: u32) -> (f32
     let [width, height] = sources.size;
     let [x, y] = [pixel % width, pixel / width];
     let near = |i: u32, n: u32| i.saturating_sub(MIXED_REACH)..(i + MIXED_REACH + 1).min(n);
-    let [a, b] = sources.parts;
     let (mut n, mut product, mut variance) = (0.0f32, 0.0f32, 0.0f32);
     for y in near(y, height) {
         for x in near(x, width) {
@@ -128,20 +125,15 @@ fn mixed(sources: &Sources<'_>, shared: &[Option<Estimate>], pixel: u32) -> (f32
             }
             let own = sources.own(pixel);
             for (band, (x, y)) in own[0].iter().zip(&own[1]).enumerate() {
-                let [d, e] = [x - all.halves[0][band], y - all.halves[1][band]];
-                let least = d.abs().min(e.abs());
-                product += (least * least).copysign(d * e) / BANDS as f32;
-                variance += a * b * (x - y).powi(2) / BANDS as f32;
+                product += agreed(x - all.halves[0][band], y - all.halves[1][band]) / BANDS as f32;
             }
+            variance += sources.variance(&own);
             n += 1.0;
         }
     }
     let (product, variance) = (product / n, variance / n);
     let by_chance = (2.0 * variance).powi(2) / n;
-    if product <= 0.0 {
-        return (0.0, 0.0, variance);
-    }
-    let bias = product * (1.0 - MIXED_DOUBT * by_chance / (product * product)).max(0.0);
+    let bias = credible(product, by_chance, MIXED_DOUBT);
     (bias / (bias + variance).max(f32::MIN_POSITIVE), bias, variance)
 }
 

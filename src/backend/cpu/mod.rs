@@ -10,7 +10,6 @@ mod eye;
 mod gather;
 mod glint;
 #[doc(hidden)]
-#[doc(hidden)]
 pub mod harness;
 mod indirect;
 mod kd_tree;

@@ -6,7 +6,6 @@ mod device_buffers;
 mod films;
 mod glints;
 #[doc(hidden)]
-#[doc(hidden)]
 pub mod harness;
 mod kernel;
 mod map;
