@@ -1,5 +1,5 @@
 //! Resolve: from what passes summed up to the picture. What the paths of single pixels find of indirect light is white noise about
-//! something smooth: it is shared with neighbours on the same surface [E29].
+//! something smooth: it is shared with neighbours on the same surface \[E29\].
 //!
 //! The sums stay as they are: a picture is resolved when it is looked at, from the means of two halves of the passes.
 
