@@ -216,6 +216,41 @@ fn algorithms_follow_the_scene() {
     assert_eq!(devices, ["cpu", "luxcore-photongi", "luxcore-bidirvm", "mitsuba-path"]);
 }
 
+/// A denoised renderer is one of its own: its driver with what it shares, the job's algorithm, and one more where
+/// surfaces mirror or refract.
+#[test]
+fn a_denoised_renderer_stands_beside_the_plain_one() {
+    let folder = Folder::new();
+    let kept = folder.path("kept");
+    fs::create_dir(&kept).expect("a folder");
+    let script = format!(
+        "{HELLO}cp \"$folder\"/*.py {kept}\necho \"$1\" >> {kept}/started\ncp \"$2\" {kept}\n{}{DONE}",
+        picture(&folder, 0, 0, 1.0),
+        kept = kept.display()
+    );
+    let words = "cornell.toml spheres.toml --times 0.1 --versus mitsuba-path,mitsuba+oidn,mitsuba+oidn-path";
+    let ended = folder.bench(&script, words);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let csv = folder.read("b.csv");
+    for (device, scenes) in [
+        ("mitsuba-path", &["cornell", "spheres"][..]),
+        ("mitsuba+oidn-path", &["cornell", "spheres"]),
+        ("mitsuba+oidn-path-colour", &["spheres"]),
+    ] {
+        let found = rows(&csv, device);
+        assert_eq!(found.iter().map(|r| &r[0]).collect::<Vec<_>>(), scenes, "{device}: {csv}");
+    }
+    let started = folder.read("kept/started");
+    let started: Vec<&str> = started.lines().filter_map(|l| l.rsplit('/').next()).collect();
+    let [plain, denoised] = ["drive_mitsuba.py", "drive_mitsuba_oidn.py"];
+    assert_eq!(started, [plain, denoised, plain, denoised, denoised], "one start for each algorithm");
+    let job: Value = serde_json::from_str(&folder.read("kept/job.json")).expect("JSON");
+    assert_eq!(job["mode"], "path-colour", "the last one");
+    for file in [plain, denoised, "driving.py", "driving_mitsuba.py"] {
+        assert!(kept.join(file).is_file(), "{file}");
+    }
+}
+
 /// Before anything renders: what is not installed, not known, or not to be compared.
 #[test]
 fn what_cannot_run_is_told_first() {
@@ -225,12 +260,22 @@ fn what_cannot_run_is_told_first() {
     let missing = "echo '{\"kind\": \"missing\", \"module\": \"pyluxcore\"}'\n";
     for (script, words, part) in [
         (
+            "echo '{\"kind\": \"missing\", \"module\": \"pyoidn\"}'\n",
+            "cornell.toml --versus mitsuba+oidn",
+            "./python has no package pyoidn; run: ./python -m pip install mitsuba pyoidn",
+        ),
+        (
             missing,
             "cornell.toml --versus luxcore",
             "./python has no package pyluxcore; run: ./python -m pip install pyluxcore",
         ),
-        (&fine, "cornell.toml --versus blender", "there are mitsuba, mitsuba-path, mitsuba-ptracer, luxcore"),
+        (&fine, "cornell.toml --versus blender", "mitsuba-ptracer, mitsuba+oidn, mitsuba+oidn-path"),
         (&fine, "cornell.toml --versus mitsuba-paths", "--versus mitsuba-paths: not a renderer"),
+        (
+            &fine,
+            "cornell.toml --versus mitsuba+oidn-ptracer",
+            "--versus mitsuba+oidn-ptracer: not a renderer",
+        ),
         (&fine, "spheres.toml --versus mitsuba-ptracer", "misses what spheres.toml shows"),
         (&fine, "spot.toml --versus mitsuba", "the soft edge of a spot"),
         (&fine, "cornell.toml --versus mitsuba --paths LDE", "--paths"),

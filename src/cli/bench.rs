@@ -31,8 +31,8 @@ pub(super) struct BenchArguments {
     /// Seconds of rendering at which the picture is looked at; processor seconds for other renderers.
     #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', default_value = "0.5,1,2,4,8")]
     times: Vec<f64>,
-    /// Other renderers to measure beside, by name or by name and algorithm: mitsuba, luxcore, mitsuba-path, …; needs
-    /// Python with their packages.
+    /// Other renderers to measure beside, by name or by name and algorithm: mitsuba, mitsuba+oidn (denoised), luxcore,
+    /// mitsuba-path, …; needs Python with their packages.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with = "paths")]
     versus: Vec<String>,
     /// The Python that runs other renderers [default: python3].
@@ -240,8 +240,8 @@ fn load(
 }
 
 /// Above the lines of [`line_of`].
-const HEADING: &str = "scene            device            seed  seconds  cpu s    passes  Mrays     estimate  relMSE     \
-                       trimmed    mean ratios";
+const HEADING: &str = "scene            device                   seed  seconds  cpu s    passes  Mrays     estimate  \
+                       relMSE     trimmed    mean ratios";
 
 fn line_of(r: &Row) -> String {
     let percent = r.error_estimate.map_or("-".into(), |e| format!("{:.2} %", e * 100.0));
@@ -251,7 +251,7 @@ fn line_of(r: &Row) -> String {
     });
     let rays = r.rays.map_or("-".into(), |rays| format!("{:.2}", rays as f64 * 1e-6));
     let line = format!(
-        "{:<16} {:<17} {:<5} {:<8.2} {:<8.2} {:<7} {rays:<9} {percent:<9} {compared}",
+        "{:<16} {:<24} {:<5} {:<8.2} {:<8.2} {:<7} {rays:<9} {percent:<9} {compared}",
         r.scene, r.device, r.seed, r.seconds, r.cpu_seconds, r.passes
     );
     line.trim_end().into()

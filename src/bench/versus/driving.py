@@ -31,6 +31,11 @@ class Clock:
         return time.perf_counter() - self.begin[0], time.process_time() - self.begin[1]
 
 
+def added(times, more):
+    """Sums of seconds and of processor seconds."""
+    return times[0] + more[0], times[1] + more[1]
+
+
 class Ladder:
     """The steps of a ladder of processor seconds: a picture for each one that is reached."""
 

@@ -18,7 +18,7 @@ enum Fit {
     All,
     /// It misses light or has nothing to offer where surfaces mirror or refract.
     Matte,
-    /// It is made for caustics.
+    /// It is made for scenes where surfaces mirror or refract.
     Specular,
 }
 
@@ -46,7 +46,7 @@ pub struct Renderer {
     /// As in `--versus`.
     pub name: &'static str,
     /// What pip installs.
-    pub package: &'static str,
+    pub packages: &'static str,
     /// Its driver: file name and text.
     driver: (&'static str, &'static str),
     modes: &'static [Mode],
@@ -54,14 +54,15 @@ pub struct Renderer {
     spots: bool,
 }
 
-/// What the drivers share: file name and text.
-const DRIVING: (&str, &str) = ("driving.py", include_str!("driving.py"));
+/// What drivers share: file names and texts.
+const SHARED: [(&str, &str); 2] =
+    [("driving.py", include_str!("driving.py")), ("driving_mitsuba.py", include_str!("driving_mitsuba.py"))];
 
 /// All that there are drivers for.
-pub const RENDERERS: [Renderer; 2] = [
+pub const RENDERERS: [Renderer; 3] = [
     Renderer {
         name: "mitsuba",
-        package: "mitsuba",
+        packages: "mitsuba",
         driver: ("drive_mitsuba.py", include_str!("drive_mitsuba.py")),
         modes: &[
             Mode { name: "path", fit: Fit::All, blind: false },
@@ -71,8 +72,19 @@ pub const RENDERERS: [Renderer; 2] = [
         spots: true,
     },
     Renderer {
+        name: "mitsuba+oidn",
+        packages: "mitsuba pyoidn",
+        driver: ("drive_mitsuba_oidn.py", include_str!("drive_mitsuba_oidn.py")),
+        modes: &[
+            Mode { name: "path", fit: Fit::All, blind: false },
+            // albedo and normals of a mirror or a pane say nothing of what is seen there
+            Mode { name: "path-colour", fit: Fit::Specular, blind: false },
+        ],
+        spots: true,
+    },
+    Renderer {
         name: "luxcore",
-        package: "pyluxcore",
+        packages: "pyluxcore",
         driver: ("drive_luxcore.py", include_str!("drive_luxcore.py")),
         modes: &[
             Mode { name: "path", fit: Fit::Matte, blind: false },
@@ -93,7 +105,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Read a word: `mitsuba`, or `mitsuba-path`.
+    /// Read a word: `mitsuba`, `mitsuba-path`, or `mitsuba+oidn-path`.
     ///
     /// # Errors
     /// [`Error::Usage`] with the words that there are.
@@ -150,7 +162,7 @@ impl Choice {
 
 #[cfg(test)]
 mod tests {
-    use super::{Choice, RENDERERS, Traits};
+    use super::{Choice, RENDERERS, SHARED, Traits};
 
     const MATTE: Traits = Traits { specular: false, spots: false };
     const SPECULAR: Traits = Traits { specular: true, spots: false };
@@ -170,8 +182,40 @@ mod tests {
                 assert_eq!(named.modes("a scene", MATTE).expect("no light is missed"), [mode.name]);
             }
         }
-        for wrong in ["", "mitsuba-", "mitsubapath", "mitsuba-photongi", "Mitsuba", "luxcore path"] {
+        for wrong in [
+            "",
+            "mitsuba-",
+            "mitsubapath",
+            "mitsuba-photongi",
+            "Mitsuba",
+            "luxcore path",
+            "oidn",
+            "mitsuba+",
+            "mitsuba-oidn",
+            "mitsuba-path+oidn",
+            "mitsuba+oidn-ptracer",
+        ] {
             assert!(Choice::parse(wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    /// What a driver imports lies beside it, and it knows its algorithms.
+    #[test]
+    fn drivers_are_whole() {
+        let shared = SHARED.map(|(name, _)| name);
+        let texts = SHARED.iter().chain(RENDERERS.iter().map(|r| &r.driver));
+        for (name, text) in texts {
+            for module in text.lines().filter_map(|l| l.strip_prefix("import driving")) {
+                let file = format!("driving{module}.py");
+                assert!(shared.contains(&file.as_str()), "{name}: no {file}");
+            }
+        }
+        for renderer in &RENDERERS {
+            let (name, text) = renderer.driver;
+            assert!(text.contains("import driving"), "{name}");
+            for mode in renderer.modes {
+                assert!(text.contains(&format!("`{}`", mode.name)), "{name}: what is {}", mode.name);
+            }
         }
     }
 
@@ -183,6 +227,9 @@ mod tests {
         assert_eq!(modes("luxcore", MATTE).expect("some"), ["path"]);
         assert_eq!(modes("luxcore", SPECULAR).expect("some"), ["photongi", "bidirvm"]);
         assert_eq!(modes("luxcore-path", SPECULAR).expect("slow, but it sees all"), ["path"]);
+        assert_eq!(modes("mitsuba+oidn", MATTE).expect("some"), ["path"]);
+        assert_eq!(modes("mitsuba+oidn", SPECULAR).expect("some"), ["path", "path-colour"]);
+        assert_eq!(modes("mitsuba+oidn-path", SPECULAR).expect("some"), ["path"]);
         assert!(modes("mitsuba-ptracer", SPECULAR).is_err(), "it would miss light");
         assert_eq!(modes("mitsuba", SPOTS).expect("some"), ["path", "ptracer"]);
         assert!(modes("luxcore", SPOTS).is_err() && modes("luxcore-path", SPOTS).is_err(), "other spots");

@@ -1,6 +1,6 @@
 //! Run: start a driver, read its lines, and take its pictures in.
 
-use super::{DRIVING, Line, Renderer};
+use super::{Line, Renderer, SHARED};
 use crate::bench::ladder::{Ladder, PictureRun};
 use crate::bench::{Row, Subject, Summary};
 use crate::error::{Error, Result};
@@ -126,7 +126,7 @@ struct Driver<'a> {
 impl<'a> Driver<'a> {
     /// Without a job it only introduces itself.
     fn start(renderer: &'a Renderer, python: &'a Path, folder: &Path, job: Option<&Path>) -> Result<Self> {
-        for (name, text) in [DRIVING, renderer.driver] {
+        for (name, text) in SHARED.into_iter().chain([renderer.driver]) {
             output::write_text(&folder.join(name), text)?;
         }
         let unusable = |what: &dyn std::fmt::Display| {
@@ -170,7 +170,7 @@ impl<'a> Driver<'a> {
                 let python = self.python.display();
                 Err(Error::device(
                     format!("--versus {name}: {python} has no package {module}"),
-                    format!("run: {python} -m pip install {}", self.renderer.package),
+                    format!("run: {python} -m pip install {}", self.renderer.packages),
                 ))
             }
             Ok(Line::Failed { what }) => {
