@@ -9,12 +9,12 @@ import driving
 import driving_mitsuba
 
 # Samples a pixel of albedo and normals. They come by themselves: together with `path` they double the cost of each of
-# its samples. On a Cornell box of 256 x 256 and 64 samples: error 2.6e-4 with 1 sample of them, 2.3e-4 with 4, 2.0e-4 with
-# 16, 1.9e-4 with 64; 16 take 0.05 of 3 processor seconds.
+# its samples. On a Cornell box of 256 x 256 and 64 samples: error 2.6e-4 with 1 sample of them, 2.3e-4 with 4, 2.0e-4
+# with 16, 1.9e-4 with 64; 16 take 0.05 of 3 processor seconds.
 GUIDE_SAMPLES = 16
-# Albedo and normals are not filtered beforehand: there that takes 1.2 instead of 0.2 processor seconds, and gives no less
-# error at equal samples (4.9e-4 and 5.1e-4 after 16, 1.8e-4 and 2.0e-4 after 64, 9.6e-5 and 9.5e-5 after 256). Elsewhere it
-# is better or worse: 0.65 of the error on glass sunk into a floor, 0.89 in a room with poles, 1.3 on grass.
+# Albedo and normals are not filtered beforehand: there that takes 1.2 instead of 0.2 processor seconds, and gives no
+# less error at equal samples (4.9e-4 and 5.1e-4 after 16, 1.8e-4 and 2.0e-4 after 64, 9.6e-5 and 9.5e-5 after 256).
+# Elsewhere it is better or worse: 0.65 of the error for glass in a floor, 0.89 in a room with poles, 1.3 on grass.
 
 
 class Denoised(driving_mitsuba.Averaged):
