@@ -62,15 +62,13 @@ fn the_next_device_goes_on_where_one_was_lost() {
 
     let (mut gpu, mut cpu) = (backend(open(), &scene), cpu());
     let mut film = Film::new(scene.size[0], scene.size[1]);
-    film.keep_halves();
+    film.keep_halves(&Layer::ON_SURFACES);
     for pass in 0..PASSES {
         let device: &mut dyn Backend = if pass < LOST { &mut gpu } else { &mut cpu };
         let batch = device.render(pass, 1).unwrap_or_else(|e| panic!("{e}"));
         film.add(1, &batch.layers);
     }
-    let halves = film.halves().expect("they are kept");
-    let [a, b] = &halves.means;
-    let shared = cpu.resolver().expect("eye paths are resolved").resolve([a, b], halves.parts);
+    let shared = cpu.resolver().expect("eye paths are resolved").resolve(&film);
     let bare = film.picture().layers;
     let is_near = |what: &str, wanted: &[Bands], found: &[Bands]| {
         for (pixel, (wanted, found)) in wanted.iter().zip(found).enumerate() {
@@ -80,9 +78,11 @@ fn the_next_device_goes_on_where_one_was_lost() {
         }
     };
     let found = |layer: Layer| &rendered.picture.layers[layer as usize].pixels;
-    is_near("direct", &bare[Layer::Direct as usize].pixels, found(Layer::Direct));
-    is_near("diffuse", &shared.radiance, found(Layer::Diffuse));
-    assert_ne!(found(Layer::Diffuse), &bare[Layer::Diffuse as usize].pixels, "it is shared");
+    for layer in [Layer::Direct, Layer::Diffuse] {
+        let (_, resolved) = shared.iter().find(|(of, _)| *of == layer).expect("it is shared");
+        is_near(layer.name(), &resolved.radiance, found(layer));
+        assert_ne!(found(layer), &bare[layer as usize].pixels, "{layer:?} is shared");
+    }
 }
 
 /// A device that is lost before its first pass is an error that says so, never a panic, and no picture.

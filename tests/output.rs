@@ -24,7 +24,7 @@ fn picture(width: u32, height: u32) -> Picture {
             [base + 1.0 / 3.0, -base * 1e-7, base * 1e9]
         })
     };
-    Picture { whole: layer(LAYERS), layers: std::array::from_fn(layer), unresolved: None }
+    Picture { whole: layer(LAYERS), layers: std::array::from_fn(layer), unresolved: Vec::new() }
 }
 
 fn files_in(folder: &Path) -> Vec<String> {

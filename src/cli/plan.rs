@@ -121,10 +121,11 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         say(format_args!("direct light: {} shadow rays a pixel and pass", plan.settings.shadow_rays));
     }
     if plan.has_indirect_paths() {
-        let then = if plan.resolves { ", shared with neighbours when the picture is made" } else { "" };
-        say(format_args!(
-            "indirect light: a path a pixel and pass goes on from where light is gathered{then}"
-        ));
+        say(format_args!("indirect light: a path a pixel and pass goes on from where light is gathered"));
+    }
+    let shared: Vec<&str> = plan.resolved_layers().into_iter().map(Layer::name).collect();
+    if !shared.is_empty() {
+        say(format_args!("shared with neighbours when the picture is made: {}", shared.join(", ")));
     }
     say(format_args!(
         "\nkernels of a pass, about {milliseconds:.0} ms on two cores with lavapipe; all but names and numbers of dispatches is estimated"

@@ -56,7 +56,7 @@ pub(super) struct RenderArguments {
     /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
-    /// Share what paths find of indirect light with neighbouring pixels when the picture is made.
+    /// Share light on surfaces with neighbouring pixels when the picture is made.
     #[arg(long, default_value = "on")]
     resolve: Switch,
     /// Memory of the device's buffers, at most, e.g. 512M or 2G [default: what the device allows].

@@ -15,19 +15,21 @@ const LAYER_BYTES: u64 = 24 + 12 + 12;
 const PIXEL_BYTES: u64 = 12 + 17 + 64;
 /// Bytes of a pixel that is looked at to tell the error.
 const SAMPLE_BYTES: u64 = 120;
-/// Bytes of a pixel whose diffuse layer is resolved: its first half, both means, what it shows, what blocks of all sizes found, what
-/// neighbours tell and how sure they are.
-const RESOLVE_BYTES: u64 = 24 + 24 + 80 + 110 + 32 + 20 + 12;
+/// Bytes of a pixel that is resolved: what its errors weigh, what it shows, blocks of all sizes, what neighbours tell.
+const RESOLVE_BYTES: u64 = 16 + 60 + 70 + 100;
+/// Bytes of a layer of it: its first half, both means, what it tells of each surface, what blocks found, what came of it, and what it was.
+const RESOLVE_LAYER_BYTES: u64 = 24 + 24 + 24 + 43 + 20 + 12;
 /// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
 pub const SAMPLES_MAX: u64 = 1 << 21;
 /// Most pixels of an image: they are numbered in 28 bits.
 const PIXELS_MAX: u64 = 1 << 28;
 
-/// Bytes of host memory for an image of which so many layers hold light, from the first pass to the written file, at most. Where a
-/// layer is black none are taken.
-pub fn host_bytes(size: [u32; 2], layers: usize, resolves: bool) -> u64 {
+/// Bytes of host memory for an image of which so many layers hold light, and so many are resolved, from the first pass to the written
+/// file, at most. Where a layer is black none are taken.
+pub fn host_bytes(size: [u32; 2], layers: usize, resolved: usize) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64 + if resolves { RESOLVE_BYTES } else { 0 };
+    let to_resolve = if resolved > 0 { RESOLVE_BYTES + RESOLVE_LAYER_BYTES * resolved as u64 } else { 0 };
+    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64 + to_resolve;
     pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
 }
 
@@ -36,7 +38,7 @@ pub fn host_bytes(size: [u32; 2], layers: usize, resolves: bool) -> u64 {
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2]) -> Result<()> {
-    let need = host_bytes(size, LAYERS, false);
+    let need = host_bytes(size, LAYERS, 0);
     let most = PIXELS_MAX * (PIXEL_BYTES + LAYER_BYTES * LAYERS as u64);
     let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
     if need > limit {
@@ -50,7 +52,7 @@ pub fn check_memory(size: [u32; 2]) -> Result<()> {
 pub const RELATIVE_OFFSET: f64 = 1e-2;
 
 /// The layers of the image, by class of light path. Their sum is the image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layer {
     /// E S* L: emission seen directly or through specular surfaces.
@@ -69,6 +71,9 @@ pub const LAYERS: usize = 4;
 impl Layer {
     /// All layers, in the order in which they are stored.
     pub const ALL: [Layer; LAYERS] = [Layer::Emission, Layer::Direct, Layer::Caustic, Layer::Diffuse];
+
+    /// Those that light on surfaces makes: neighbours on the same surface can share it.
+    pub const ON_SURFACES: [Layer; 3] = [Layer::Direct, Layer::Caustic, Layer::Diffuse];
 
     /// Name, lower case.
     pub fn name(self) -> &'static str {
@@ -106,8 +111,8 @@ pub struct Picture {
     pub whole: Image,
     /// One image for each of [`Layer::ALL`].
     pub layers: [Image; LAYERS],
-    /// The diffuse layer as the passes found it, where it was resolved.
-    pub unresolved: Option<Image>,
+    /// The layers that were resolved, as the passes found them.
+    pub unresolved: Vec<(Layer, Image)>,
 }
 
 /// Sums over passes, per layer and pixel, in f64: 1e5 passes do not drift. A sample of a tile that rests counts for the
@@ -122,7 +127,7 @@ pub struct Film {
     /// The last sample of the pixels whose block is longer than a batch; empty before there are any. `sums` has it as often
     /// as its block has passes, those to come among them.
     last: [Vec<Bands>; LAYERS],
-    /// Of the diffuse layer, the passes of the first half [`half`]: who resolves it sees both apart. None where it is not resolved.
+    /// Of the layers that are resolved, the passes of the first half [`half`]: who resolves them sees both apart. None where none are resolved.
     first_half: Option<FirstHalf>,
 }
 
@@ -130,7 +135,7 @@ pub struct Film {
 #[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 struct FirstHalf {
     passes: u64,
-    sums: Vec<[f64; BANDS]>,
+    sums: Vec<(Layer, Vec<[f64; BANDS]>)>,
 }
 
 /// A layer's mean in each half of the passes, and the part of the passes that each half has.
@@ -166,16 +171,17 @@ impl Film {
         }
     }
 
-    /// From the first pass on, keep the halves of the diffuse layer apart.
-    pub fn keep_halves(&mut self) {
-        let sums = vec![[0.0; BANDS]; self.sums[0].len()];
+    /// From the first pass on, keep the halves of these layers apart.
+    pub fn keep_halves(&mut self, layers: &[Layer]) {
+        let sums = layers.iter().map(|layer| (*layer, vec![[0.0; BANDS]; self.sums[0].len()])).collect();
         self.first_half = Some(FirstHalf { passes: 0, sums });
     }
 
-    /// The halves of the diffuse layer; none where they are not kept.
-    pub fn halves(&self) -> Option<Halves> {
+    /// The halves of a layer; none where they are not kept.
+    pub fn halves(&self, layer: Layer) -> Option<Halves> {
         let FirstHalf { passes, sums } = self.first_half.as_ref()?;
-        let layer = Layer::Diffuse as usize;
+        let (_, sums) = sums.iter().find(|(of, _)| *of == layer)?;
+        let layer = layer as usize;
         let (first, second) = (*passes as f64, (self.passes - passes) as f64);
         let means = (0..sums.len()).map(|pixel| {
             let all = self.sum(layer, pixel);
@@ -221,7 +227,7 @@ impl Film {
         let width = self.width as usize;
         let runs = self.schedule.runs(self.passes, passes);
         if let Some(first_half) = self.first_half.as_mut().filter(|_| half(self.passes) == 0) {
-            first_half.add(passes, &layers[Layer::Diffuse as usize], &runs, width);
+            first_half.add(passes, layers, &runs, width);
         }
         self.passes += passes;
         for ((sum, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
@@ -285,22 +291,25 @@ impl Film {
         Picture {
             whole: image(&|p| self.sum_of_layers(p)),
             layers: std::array::from_fn(|l| image(&|p| self.sum(l, p))),
-            unresolved: None,
+            unresolved: Vec::new(),
         }
     }
 }
 
 impl FirstHalf {
-    fn add(&mut self, passes: u64, layer: &[Bands], runs: &[tile_schedule::Run], width: usize) {
+    fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS], runs: &[tile_schedule::Run], width: usize) {
         self.passes += passes;
-        if layer.is_empty() {
-            return;
-        }
-        for run in runs {
-            for pixels in run.pixels(width) {
-                for (s, l) in self.sums[pixels.clone()].iter_mut().zip(&layer[pixels]) {
-                    for b in 0..BANDS {
-                        s[b] += run.weight as f64 * f64::from(l[b]);
+        for (of, sums) in &mut self.sums {
+            let layer = &layers[*of as usize];
+            if layer.is_empty() {
+                continue;
+            }
+            for run in runs {
+                for pixels in run.pixels(width) {
+                    for (s, l) in sums[pixels.clone()].iter_mut().zip(&layer[pixels]) {
+                        for b in 0..BANDS {
+                            s[b] += run.weight as f64 * f64::from(l[b]);
+                        }
                     }
                 }
             }

@@ -38,14 +38,14 @@ pub fn write_picture(path: &Path, picture: &Picture, comment: &str) -> Result<()
         assert_eq!((image.width, image.height), (picture.whole.width, picture.whole.height), "layers fit");
         channels.extend(channels_of(&format!("{}.", layer.name()), image));
     }
-    if let Some(image) = &picture.unresolved {
-        channels.extend(channels_of(UNRESOLVED, image));
+    for (layer, image) in &picture.unresolved {
+        channels.extend(channels_of(&format!("{}{UNRESOLVED}", layer.name()), image));
     }
     write(path, &picture.whole, channels, comment)
 }
 
-/// Name of the diffuse layer as the passes found it.
-const UNRESOLVED: &str = "diffuse_unresolved.";
+/// What a layer as the passes found it has after its name.
+const UNRESOLVED: &str = "_unresolved.";
 
 /// Write one image without layers.
 pub fn write_image(path: &Path, image: &Image, comment: &str) -> Result<()> {

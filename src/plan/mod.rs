@@ -36,7 +36,7 @@ pub struct Settings {
     pub paths: LightPaths,
     /// Shadow rays per gather point and pass.
     pub shadow_rays: u32,
-    /// Indirect light that paths found is shared with neighbours when a picture is made \[E29\].
+    /// Light on surfaces is shared with neighbours when a picture is made \[E29\].
     pub resolve: bool,
     /// Bytes that a device's buffers may take together; none for as much as it allows.
     pub memory: Option<u64>,
@@ -82,7 +82,7 @@ pub struct Plan {
     pub features: Features,
     /// How light that was diffusely reflected before is found.
     pub indirect: Indirect,
-    /// What paths find of it is shared with neighbours when a picture is made.
+    /// Light on surfaces is shared with neighbours when a picture is made; see [`Plan::resolved_layers`].
     pub resolves: bool,
     /// Jotons emitted a pass for the caustic map; 0 where it is skipped.
     pub caustic_jotons: u32,
@@ -211,7 +211,7 @@ impl Plan {
             Arc::default()
         };
         Self {
-            resolves: indirect == Indirect::Paths && settings.resolve,
+            resolves: settings.resolve,
             settings,
             caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
             guides: Arc::new(guides),
@@ -241,6 +241,13 @@ impl Plan {
     /// True where a map is traced.
     pub fn has_map(&self, kind: MapKind) -> bool {
         self.jotons(kind) > 0
+    }
+
+    /// Layers that are shared with neighbours when a picture is made. The diffuse map has shared its light already.
+    pub fn resolved_layers(&self) -> Vec<Layer> {
+        let is_noise = |layer: &Layer| *layer != Layer::Diffuse || self.has_indirect_paths();
+        let layers = Layer::ON_SURFACES.into_iter().filter(|layer| self.traces(*layer)).filter(is_noise);
+        if self.resolves { layers.collect() } else { Vec::new() }
     }
 
     /// True where eye paths go on from their gather points.

@@ -7,7 +7,7 @@
 use crate::film::tile_schedule::{Run, TileSchedule};
 use crate::film::{Film, LAYERS, Layer, RELATIVE_OFFSET, SAMPLES_MAX, half};
 use crate::resolve::Resolved;
-use crate::spectrum::{BANDS, Bands};
+use crate::spectrum::{BANDS, BLACK, Bands, add};
 use rayon::prelude::*;
 
 /// Blocks across and down whose spread tells how sure the squared bias is.
@@ -82,13 +82,13 @@ pub(crate) struct ErrorEstimator {
     /// Passes and error when `early` was renewed.
     before: Option<(u64, ErrorEstimate)>,
     lines: [Line; 2],
-    /// The diffuse layer is resolved: its own passes say nothing of the picture.
-    resolves: bool,
-    /// What it was like when it was resolved last.
+    /// Layers that are resolved: their own passes say nothing of the picture.
+    resolves: Vec<Layer>,
+    /// What they were like when they were resolved last.
     smooth: Option<Smooth>,
 }
 
-/// A resolved layer in the pixels that tell the error.
+/// The resolved layers together in the pixels that tell the error.
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 struct Smooth {
     /// After so many passes.
@@ -189,7 +189,7 @@ impl ErrorEstimator {
             early_passes: 0,
             before: None,
             lines: Default::default(),
-            resolves: false,
+            resolves: Vec::new(),
             smooth: None,
         }
     }
@@ -205,8 +205,9 @@ impl ErrorEstimator {
         }
         if blur > 0.0 {
             let runs = self.film.tile_schedule().runs(first, passes);
+            // what paths found of indirect light has no radius
             let maps = [Layer::Caustic, Layer::Diffuse];
-            let maps = if self.resolves { &maps[..1] } else { &maps };
+            let maps = if self.resolves.contains(&Layer::Diffuse) { &maps[..1] } else { &maps };
             self.lines[half(first)].add(&self.lattice, passes, maps, layers, blur, &runs);
         }
         self.film.add(passes, layers);
@@ -217,35 +218,40 @@ impl ErrorEstimator {
         self.film.set_tile_schedule(schedule);
     }
 
-    /// From the first pass on, the diffuse layer is resolved.
-    pub(crate) fn set_resolves(&mut self) {
-        self.resolves = true;
-        self.film.keep_halves();
+    /// From the first pass on, these layers are resolved.
+    pub(crate) fn set_resolves(&mut self, layers: &[Layer]) {
+        self.resolves = layers.to_vec();
+        self.film.keep_halves(layers);
     }
 
-    /// The layer as it was resolved now.
-    pub(crate) fn set_resolved(&mut self, resolved: &Resolved) {
+    /// The layers as they were resolved now.
+    pub(crate) fn set_resolved(&mut self, resolved: &[(Layer, Resolved)]) {
         let pixels = || (0..self.lattice.len()).map(|sample| self.lattice.pixel(sample));
+        let sum =
+            |of: &dyn Fn(&Resolved) -> Bands| resolved.iter().fold(BLACK, |sum, (_, r)| add(&sum, &of(r)));
+        let errors = |p: usize| {
+            let each = resolved.iter().map(|(_, r)| r.squared_error[p]);
+            each.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d])
+        };
         self.smooth = Some(Smooth {
             passes: self.film.passes(),
-            radiance: pixels().map(|p| resolved.radiance[p]).collect(),
-            squared_error: pixels().map(|p| resolved.squared_error[p]).collect(),
+            radiance: pixels().map(|p| sum(&|r| r.radiance[p])).collect(),
+            squared_error: pixels().map(errors).collect(),
         });
     }
 
-    /// Passes when it was resolved last.
+    /// Passes when they were resolved last.
     pub(crate) fn resolved_at(&self) -> Option<u64> {
         self.smooth.as_ref().map(|smooth| smooth.passes)
     }
 
     /// Sum over the passes of the layers whose passes are compared.
     fn sum(&self, pixel: usize) -> [f64; BANDS] {
-        let all = self.film.sum_of_layers(pixel);
-        if !self.resolves {
-            return all;
-        }
-        let diffuse = self.film.sum(Layer::Diffuse as usize, pixel);
-        std::array::from_fn(|b| all[b] - diffuse[b])
+        let compared = Layer::ALL.into_iter().filter(|layer| !self.resolves.contains(layer));
+        compared.fold([0.0; BANDS], |sum, layer| {
+            let more = self.film.sum(layer as usize, pixel);
+            std::array::from_fn(|b| sum[b] + more[b])
+        })
     }
 
     /// All passes.
@@ -258,7 +264,7 @@ impl ErrorEstimator {
     pub(crate) fn error(&self) -> Option<ErrorEstimate> {
         let passes = self.film.passes();
         let early = self.early_passes;
-        if early == 0 || self.resolves && self.smooth.is_none() {
+        if early == 0 || !self.resolves.is_empty() && self.smooth.is_none() {
             return None;
         }
         let found = match self.before {
@@ -271,7 +277,7 @@ impl ErrorEstimator {
         Some(found)
     }
 
-    /// True where the layer was resolved after the last pass.
+    /// True where they were resolved after the last pass.
     fn is_fresh(&self) -> bool {
         self.resolved_at() == Some(self.film.passes())
     }

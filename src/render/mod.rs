@@ -79,20 +79,18 @@ pub struct Progress<'a> {
     resolver: Option<&'a Resolver>,
 }
 
-/// Share the indirect light of a film among neighbours.
-fn resolve(resolver: &Resolver, film: &Film) -> Option<Resolved> {
-    let halves = film.halves()?;
-    let [a, b] = &halves.means;
-    Some(resolver.resolve([a, b], halves.parts))
-}
+/// Layers that were resolved.
+type ResolvedLayers = Vec<(Layer, Resolved)>;
 
-/// The picture of a film, with its indirect light as it was resolved.
-fn picture(film: &Film, resolved: Option<&Resolved>) -> Picture {
+/// The picture of a film, with its layers as they were resolved.
+fn picture(film: &Film, resolved: &ResolvedLayers) -> Picture {
     let mut picture = film.picture();
-    if let Some(resolved) = resolved {
-        let layer = &mut picture.layers[Layer::Diffuse as usize];
-        picture.unresolved = Some(layer.clone());
-        layer.pixels.copy_from_slice(&resolved.radiance);
+    for (layer, resolved) in resolved {
+        let image = &mut picture.layers[*layer as usize];
+        picture.unresolved.push((*layer, image.clone()));
+        image.pixels.copy_from_slice(&resolved.radiance);
+    }
+    if !resolved.is_empty() {
         for (pixel, whole) in picture.whole.pixels.iter_mut().enumerate() {
             *whole = picture.layers.iter().fold(BLACK, |sum, layer| add(&sum, &layer.pixels[pixel]));
         }
@@ -110,13 +108,13 @@ impl Progress<'_> {
     pub fn look(&self) -> Look {
         let clock = Clock::start();
         let mut estimator = std::borrow::Cow::Borrowed(self.estimator);
-        let resolved = self.resolver.and_then(|r| resolve(r, self.estimator.film()));
-        if let Some(resolved) = &resolved {
-            estimator.to_mut().set_resolved(resolved);
+        let resolved = self.resolver.map(|r| r.resolve(self.estimator.film())).unwrap_or_default();
+        if self.resolver.is_some() {
+            estimator.to_mut().set_resolved(&resolved);
         }
-        let picture = picture(self.estimator.film(), resolved.as_ref());
+        let picture = picture(self.estimator.film(), &resolved);
         let [seconds, cpu_seconds] = clock.read();
-        let error = if resolved.is_some() { estimator.error() } else { self.error };
+        let error = if self.resolver.is_some() { estimator.error() } else { self.error };
         Look { picture, error, seconds, cpu_seconds }
     }
 }

@@ -1,6 +1,8 @@
 //! State: what a render has found so far, and the loop that goes on from there.
 
-use super::{DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, Stop, picture, resolve};
+use super::{
+    DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, ResolvedLayers, Stop, picture,
+};
 use crate::backend::{Backend, PASSES_MAX, Tally, guarded};
 use crate::error::Result;
 use crate::estimators::split_paths::{self, SplitPaths};
@@ -8,7 +10,7 @@ use crate::film::Layer;
 use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
 use crate::render::error_estimate::{self, ErrorEstimate, ErrorEstimator};
 use crate::render::static_tiles::StaticTiles;
-use crate::resolve::{Resolved, Resolver};
+use crate::resolve::Resolver;
 use crate::spectrum::BANDS;
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,7 +40,7 @@ pub struct RenderState {
     resolver: Option<Arc<Resolver>>,
     /// The last that was.
     #[serde(skip)]
-    resolved: Option<Resolved>,
+    resolved: ResolvedLayers,
 }
 
 impl RenderState {
@@ -57,7 +59,7 @@ impl RenderState {
             reading: [0.0; 2],
             failures: Vec::new(),
             resolver: None,
-            resolved: None,
+            resolved: Vec::new(),
         }
     }
 
@@ -136,8 +138,8 @@ impl RenderState {
     fn set_up(&mut self, backend: &mut dyn Backend) -> Result<()> {
         let can_rest = backend.set_tile_schedule(&TileSchedule::none(self.size));
         if self.passes == 0 {
-            if self.resolver.is_some() {
-                self.sums.set_resolves();
+            if let Some(resolver) = &self.resolver {
+                self.sums.set_resolves(resolver.layers());
             }
             self.static_tiles = can_rest.then(|| StaticTiles::new(self.size));
             return Ok(());
@@ -218,11 +220,9 @@ impl RenderState {
         let may_stop = self.error.is_some_and(|e| stop.error.is_some_and(|limit| e.total <= limit));
         let is_known = self.sums.resolved_at() == Some(passes);
         if (is_due || may_stop) && !is_known {
-            self.resolved = resolve(resolver, self.sums.film());
-            if let Some(resolved) = &self.resolved {
-                self.sums.set_resolved(resolved);
-                self.error = self.sums.error();
-            }
+            self.resolved = resolver.resolve(self.sums.film());
+            self.sums.set_resolved(&self.resolved);
+            self.error = self.sums.error();
         }
     }
 
@@ -268,14 +268,14 @@ impl RenderState {
     pub fn finish(mut self, reason: Reason) -> Rendered {
         let clock = Clock::start();
         let passes = self.passes;
-        if self.sums.resolved_at() != Some(passes) || self.resolved.is_none() {
-            self.resolved = self.resolver.as_ref().and_then(|r| resolve(r, self.sums.film()));
-            if let Some(resolved) = &self.resolved {
-                self.sums.set_resolved(resolved);
-            }
+        // a state that was stored comes without
+        let is_resolved = self.sums.resolved_at() == Some(passes) && !self.resolved.is_empty();
+        if let Some(resolver) = self.resolver.as_ref().filter(|_| !is_resolved) {
+            self.resolved = resolver.resolve(self.sums.film());
+            self.sums.set_resolved(&self.resolved);
         }
-        let picture = picture(self.sums.film(), self.resolved.as_ref());
-        let is_known = self.resolved.is_none() && (passes < ERROR_PASSES || is_estimated(passes));
+        let picture = picture(self.sums.film(), &self.resolved);
+        let is_known = self.resolver.is_none() && (passes < ERROR_PASSES || is_estimated(passes));
         let error_estimate = if is_known { self.error } else { self.sums.error() };
         let spent = clock.read();
         let [seconds, cpu_seconds] = [0, 1].map(|i| self.reading[i] + spent[i]);

@@ -1,22 +1,21 @@
 //! Bandwidth: over how many pixels irradiance may be shared, by what that costs: variance from how the halves of the passes differ,
 //! squared bias from what changes, in both halves alike, from one bandwidth to the next [E29].
 
-use super::pyramid::{Level, Told, middle};
-use super::regression::{REACH, fit};
-use super::surfaces::{Patch, Place, Surfaces};
+use super::noise::{Noise, agreed};
+use super::patch::{Patch, Place};
+use super::pyramid::middle;
+use super::regression::REACH;
+use super::sources::{CHOICES, Choices, LAYERS, Sources};
+use super::told::count;
 use crate::spectrum::{BANDS, Bands};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Levels of blocks: up to 32 × 32 pixels, kernels up to 80 pixels wide on each side.
-pub(super) const LEVELS: usize = 6;
-/// What is chosen among: a pixel's own, and the fits of each level.
-pub(super) const CHOICES: usize = LEVELS + 1;
 /// Width of a cell, pixels: statistics are kept for each.
 const CELL: u32 = 8;
-/// Every second pixel across and down is a sample of them.
-const STEP: u32 = 2;
+/// One pixel in so many is a sample of them, in each row and each column.
+const STEP: u32 = 4;
 /// Statistics are means within so many radii of a kernel, and at least so many pixels.
 const POOL: f32 = 1.5;
 /// See [`POOL`].
@@ -27,11 +26,10 @@ const BIAS_OF_STEP: f32 = 16.0 / 9.0;
 const POOL_NEAR: f32 = 9.0;
 /// … by the square root of this in standard errors, it counts there, whatever lies around.
 const DOUBT_NEAR: f32 = 4.0;
-/// How noisy single passes are changes slowly over the image. Were it not pooled widely, places where something rare was found would be
-/// shared among many, and those around, where it was not, among few: light would be lost.
-const POOL_VARIANCE: f32 = 40.0;
 /// A step of less than the square root of this in standard errors is no bias.
 const DOUBT: f32 = 2.0;
+/// Factor on both where the error is told, and not the better choice looked for.
+const DOUBT_OF_ERROR: f32 = 2.0;
 /// Kernel pixels over blocks: the equivalent number of equal weights.
 const KERNEL_BLOCKS: f32 = 10.9;
 
@@ -47,7 +45,8 @@ struct Cell {
     place: Place,
     at: Vec2,
     count: f32,
-    moments: [Moments; CHOICES],
+    /// Of each layer.
+    moments: [[Moments; CHOICES]; LAYERS],
 }
 
 /// Of one choice.
@@ -59,75 +58,41 @@ struct Moments {
     /// Product of what both halves change from the choice before, and its square.
     step: f32,
     step_squared: f32,
-    /// What of it both halves agree on.
+    /// What of it both halves agree on, and its square.
     least_step: f32,
+    least_step_squared: f32,
 }
 
-/// Variance of each choice at one place, and its squared bias: sums of steps, of which those that two choices have in common say nothing
-/// about which is better.
-pub(super) type Errors = [[f32; 2]; CHOICES];
+/// Weighed squared errors of a choice at one place.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ChoiceError {
+    pub(super) variance: f32,
+    /// Squared bias that choices are compared by: a sum of steps, of which those that two choices have in common decide nothing.
+    pub(super) bias: f32,
+    /// The part of it that is beyond doubt: chance that looks like bias makes a choice worse, but must not be taken for an error.
+    pub(super) sure_bias: f32,
+}
+
+impl ChoiceError {
+    /// Of a choice of which nothing is known.
+    pub(super) const UNKNOWN: Self = Self { variance: UNKNOWN, bias: UNKNOWN, sure_bias: UNKNOWN };
+
+    fn add(&mut self, other: &Self, weight: f32) {
+        self.variance += weight * other.variance;
+        self.bias += weight * other.bias;
+        self.sure_bias += weight * other.sure_bias;
+    }
+}
+
+/// Of each choice.
+pub(super) type Errors = [ChoiceError; CHOICES];
 
 /// Squared errors all over the image.
 #[derive(Debug)]
 pub(super) struct Bandwidths {
     size: [u32; 2],
     first: Vec<u32>,
-    cells: Vec<(Cell, Errors)>,
-}
-
-/// Everything that is chosen from.
-pub(super) struct Sources<'a> {
-    pub(super) size: [u32; 2],
-    pub(super) surfaces: &'a Surfaces,
-    pub(super) levels: &'a [Level],
-    /// Mean radiance of each half.
-    pub(super) halves: [&'a [Bands]; 2],
-    /// Part of the passes that each half has.
-    pub(super) parts: [f32; 2],
-}
-
-impl Sources<'_> {
-    /// Of both halves together.
-    pub(super) fn mean(&self, halves: &[Bands; 2]) -> Bands {
-        std::array::from_fn(|b| self.parts[0] * halves[0][b] + self.parts[1] * halves[1][b])
-    }
-
-    /// Variance of that mean, as the halves differ, in the mean over the bands.
-    pub(super) fn variance(&self, halves: &[Bands; 2]) -> f32 {
-        let [a, b] = self.parts;
-        let squares = halves[0].iter().zip(&halves[1]).map(|(x, y)| (x - y) * (x - y));
-        a * b * squares.sum::<f32>() / BANDS as f32
-    }
-
-    /// Irradiance by one choice at a patch of a pixel that tells this.
-    pub(super) fn choose(&self, choice: usize, patch: &Patch, pixel: u32, told: &Told) -> Option<[Bands; 2]> {
-        match choice.checked_sub(1) {
-            None => Some(told.halves),
-            Some(level) => fit(&self.levels[level], patch, middle(pixel, self.size)),
-        }
-    }
-
-    /// Mean radiance that each half found in a pixel.
-    pub(super) fn own(&self, pixel: u32) -> [Bands; 2] {
-        self.halves.map(|half| half[pixel as usize])
-    }
-
-    /// What a pixel tells.
-    pub(super) fn told(&self, pixel: u32) -> Told {
-        let is_mixed = self.surfaces.is_mixed(pixel as usize);
-        Told::new(self.surfaces.at(pixel as usize), is_mixed, self.own(pixel))
-    }
-}
-
-/// The square of the lesser of what both halves say, negative where they differ in sign: what one alone has found is nothing.
-pub(super) fn agreed(x: f32, y: f32) -> f32 {
-    let least = x.abs().min(y.abs());
-    (least * least).copysign(x * y)
-}
-
-/// A mean square as far as it is more than chance, of this squared standard error: 0 below the square root of `doubt` of these.
-pub(super) fn credible(mean: f32, uncertain: f32, doubt: f32) -> f32 {
-    if mean > 0.0 { mean * (1.0 - doubt * uncertain / (mean * mean)).max(0.0) } else { 0.0 }
+    cells: Vec<(Cell, [Errors; LAYERS])>,
 }
 
 /// Radius of a choice's kernel, pixels.
@@ -140,7 +105,13 @@ fn together(choice: usize) -> f32 {
     if choice == 0 {
         return 1.0;
     }
-    (KERNEL_BLOCKS * (1u32 << (2 * (choice - 1))) as f32 / (STEP * STEP) as f32).max(1.0)
+    (KERNEL_BLOCKS * (1u32 << (2 * (choice - 1))) as f32 / STEP as f32).max(1.0)
+}
+
+/// Radii in which a choice's steps and its variance are pooled.
+fn reaches(choice: usize, noise: Noise) -> [f32; 2] {
+    let reach = POOL * radius(choice);
+    [reach.max(POOL_LEAST), reach.max(noise.pool())]
 }
 
 impl Bandwidths {
@@ -154,14 +125,24 @@ impl Bandwidths {
             all.extend(cell);
             first.push(all.len() as u32);
         }
-        let errors: Vec<Errors> = all.par_iter().map(|cell| pooled(cell, &all, &first, size)).collect();
+        let errors: Vec<[Errors; LAYERS]> = all
+            .par_iter()
+            .map(|cell| {
+                let near = Near::of(cell, &all, &first, size);
+                let mut errors = [[ChoiceError::UNKNOWN; CHOICES]; LAYERS];
+                for (layer, errors) in errors.iter_mut().enumerate().take(sources.layers.len()) {
+                    *errors = near.pooled(layer, sources.noise(layer));
+                }
+                errors
+            })
+            .collect();
         Self { size, first, cells: all.into_iter().zip(errors).collect() }
     }
 
-    /// Squared error of each choice at a patch; none where nothing is known of its surface.
-    pub(super) fn at(&self, patch: &Patch, at: Vec2) -> Option<Errors> {
+    /// Squared error of each choice for each layer at a patch; none where nothing is known of its surface.
+    pub(super) fn at(&self, patch: &Patch, at: Vec2) -> Option<[Errors; LAYERS]> {
         let reach = 1.5 * CELL as f32;
-        let (mut sum, mut errors) = (0.0, [[0.0; 2]; CHOICES]);
+        let (mut sum, mut errors) = (0.0, [[ChoiceError::default(); CHOICES]; LAYERS]);
         for row in rows(at, reach, self.size) {
             let ids = self.first[row.start] as usize..self.first[row.end] as usize;
             for (cell, mine) in &self.cells[ids] {
@@ -172,13 +153,20 @@ impl Bandwidths {
                 }
                 let like = patch.place.likeness(&cell.place, away.sqrt());
                 let w = near * near * like * cell.count;
-                sum += w;
-                for (e, m) in errors.as_flattened_mut().iter_mut().zip(mine.as_flattened()) {
-                    *e += w * m;
+                if w <= 0.0 {
+                    continue;
                 }
+                sum += w;
+                let errors = errors.as_flattened_mut().iter_mut();
+                errors.zip(mine.as_flattened()).for_each(|(error, mine)| error.add(mine, w));
             }
         }
-        (sum > 0.0).then(|| errors.map(|e| e.map(|x| x / sum)))
+        let mean = |of: ChoiceError| {
+            let mut mean = ChoiceError::default();
+            mean.add(&of, 1.0 / sum);
+            mean
+        };
+        (sum > 0.0).then(|| errors.map(|of_layer| of_layer.map(mean)))
     }
 }
 
@@ -200,17 +188,24 @@ fn sampled(sources: &Sources<'_>, cell: u32, across: u32) -> Vec<Cell> {
     let [x, y] = [cell % across * CELL, cell / across * CELL];
     let [width, height] = sources.size;
     let mut cells: Vec<Cell> = Vec::new();
-    for y in (y..(y + CELL).min(height)).step_by(STEP as usize) {
-        for x in (x..(x + CELL).min(width)).step_by(STEP as usize) {
+    for y in y..(y + CELL).min(height) {
+        // 0 2 1 3: each column has as many as each row
+        let first = x + 2 * y % STEP + y / 2 % 2;
+        for x in (first..(x + CELL).min(width)).step_by(STEP as usize) {
             let pixel = y * width + x;
-            let told = sources.told(pixel);
-            for patch in sources.surfaces.at(pixel as usize) {
-                let all = std::array::from_fn(|choice| sources.choose(choice, patch, pixel, &told));
+            let count = count(sources.surfaces, pixel as usize);
+            for id in sources.surfaces.ids(pixel as usize) {
+                let patch = sources.surfaces.patch(id);
+                let choices = sources.choices(pixel, id);
+                let mut moments = [[Moments::default(); CHOICES]; LAYERS];
+                for (layer, moments) in moments.iter_mut().enumerate().take(sources.layers.len()) {
+                    *moments = moments_of(sources, layer, &choices, sources.weights[pixel as usize]);
+                }
                 let found = Cell {
                     place: patch.place,
                     at: middle(pixel, sources.size),
-                    count: told.count * patch.share,
-                    moments: moments(sources, &all),
+                    count: count * patch.share,
+                    moments,
                 };
                 let likes = |c: &Cell| {
                     let normal = c.place.normal.normalize_or(Vec3::Z);
@@ -233,13 +228,13 @@ fn sampled(sources: &Sources<'_>, cell: u32, across: u32) -> Vec<Cell> {
     cells
 }
 
-/// Of the estimates of one pixel.
-fn moments(sources: &Sources<'_>, all: &[Option<[Bands; 2]>; CHOICES]) -> [Moments; CHOICES] {
-    let over = 1.0 / BANDS as f32;
+/// Of what is to choose from for a layer at one patch, whose squared errors weigh so much.
+fn moments_of(sources: &Sources<'_>, layer: usize, choices: &Choices<'_>, weight: f32) -> [Moments; CHOICES] {
+    let over = weight / BANDS as f32;
     let mut before: Option<[Bands; 2]> = None;
     std::array::from_fn(|choice| {
-        let Some(halves) = all[choice] else { return Moments::default() };
-        let variance = sources.variance(&halves);
+        let Some(halves) = choices.of(layer, choice) else { return Moments::default() };
+        let variance = weight * sources.variance(layer, &halves);
         let mut m = Moments { samples: 1.0, variance, ..Moments::default() };
         if let Some(finer) = before {
             for band in 0..BANDS {
@@ -249,6 +244,7 @@ fn moments(sources: &Sources<'_>, all: &[Option<[Bands; 2]>; CHOICES]) -> [Momen
             }
         }
         m.step_squared = m.step * m.step;
+        m.least_step_squared = m.least_step * m.least_step;
         before = Some(halves);
         m
     })
@@ -260,53 +256,77 @@ impl Cell {
         let all = self.count + sample.count;
         self.place.join(self.count, &sample.place, sample.count);
         self.at = (self.at * self.count + sample.at * sample.count) / all;
-        for (mine, m) in self.moments.iter_mut().zip(&sample.moments) {
+        let moments = self.moments.as_flattened_mut().iter_mut();
+        for (mine, m) in moments.zip(sample.moments.as_flattened()) {
             mine.samples += sample.count * m.samples;
             mine.variance += sample.count * m.variance;
             mine.step += sample.count * m.step;
             mine.least_step += sample.count * m.least_step;
             mine.step_squared += sample.count * sample.count * m.step_squared;
+            mine.least_step_squared += sample.count * sample.count * m.least_step_squared;
         }
         self.count = all;
     }
 }
 
-/// Squared error of each choice about a cell.
-fn pooled(cell: &Cell, all: &[Cell], first: &[u32], size: [u32; 2]) -> Errors {
-    let mut bias = 0.0f32;
-    let mut finer = f32::INFINITY;
-    std::array::from_fn(|choice| {
-        let reach = POOL * radius(choice);
-        let widely = reach.max(POOL_VARIANCE);
-        let (mut variance, mut samples) = (0.0f32, 0.0f32);
-        let mut wide = Steps::within(reach.max(POOL_LEAST));
-        let mut near = Steps::within(POOL_NEAR);
-        for row in rows(cell.at, widely, size) {
+/// Cells of the same surface about one.
+struct Near<'a> {
+    /// For each choice those within its largest reach that are within no finer one's: their squared distance, likeness, and moments.
+    by_choice: [Vec<(f32, f32, &'a Cell)>; CHOICES],
+}
+
+impl<'a> Near<'a> {
+    fn of(cell: &Cell, all: &'a [Cell], first: &[u32], size: [u32; 2]) -> Self {
+        let mut by_choice: [Vec<_>; CHOICES] = Default::default();
+        let largest: [f32; CHOICES] = std::array::from_fn(|choice| {
+            reaches(choice, Noise::Rare).into_iter().fold(0.0, f32::max).powi(2)
+        });
+        for row in rows(cell.at, largest[CHOICES - 1].sqrt(), size) {
             for other in &all[first[row.start] as usize..first[row.end] as usize] {
                 let away = other.at.distance_squared(cell.at);
-                let inside = 1.0 - away / (widely * widely);
-                if inside <= 0.0 {
-                    continue;
-                }
+                let Some(choice) = largest.iter().position(|reach| away < *reach) else { continue };
                 let like = cell.place.likeness(&other.place, away.sqrt() + CELL as f32);
-                let m = &other.moments[choice];
+                if like > 0.0 {
+                    by_choice[choice].push((away, like, other));
+                }
+            }
+        }
+        Self { by_choice }
+    }
+
+    /// Squared error of each choice for a layer whose noise is of this kind.
+    fn pooled(&self, layer: usize, noise: Noise) -> Errors {
+        let [mut bias, mut sure_bias] = [0.0f32; 2];
+        let mut finer = f32::INFINITY;
+        std::array::from_fn(|choice| {
+            let [reach, widely] = reaches(choice, noise);
+            let (mut variance, mut samples) = (0.0f32, 0.0f32);
+            let mut wide = Steps::within(reach);
+            let mut near = Steps::within(POOL_NEAR);
+            for &(away, like, other) in self.by_choice[..=choice].iter().flatten() {
+                let m = &other.moments[layer][choice];
+                let inside = (1.0 - away / (widely * widely)).max(0.0);
                 let w = inside * inside * like;
                 samples += w * m.samples;
                 variance += w * m.variance;
                 wide.add(away, like, m.samples, m.step, m.step_squared);
-                near.add(away, like, m.samples, m.least_step, 0.0);
+                near.add(away, like, m.samples, m.least_step, m.least_step_squared);
             }
-        }
-        if wide.n <= 0.0 || samples <= 0.0 {
-            return [UNKNOWN; 2];
-        }
-        let variance = (variance / samples).min(finer);
-        let before = std::mem::replace(&mut finer, variance);
-        let together = together(choice.saturating_sub(1));
-        let step = wide.credible(before, together, DOUBT).max(near.credible(before, together, DOUBT_NEAR));
-        bias += BIAS_OF_STEP * step;
-        [variance, bias]
-    })
+            if wide.n <= 0.0 || samples <= 0.0 {
+                return ChoiceError::UNKNOWN;
+            }
+            let variance = (variance / samples).min(finer);
+            let before = std::mem::replace(&mut finer, variance);
+            let together = together(choice.saturating_sub(1));
+            let step = |doubt: f32| {
+                let wide = wide.credible(noise, before, together, doubt * DOUBT);
+                wide.max(near.credible(noise, before, together, doubt * DOUBT_NEAR))
+            };
+            bias += BIAS_OF_STEP * step(1.0);
+            sure_bias += BIAS_OF_STEP * step(DOUBT_OF_ERROR);
+            ChoiceError { variance, bias, sure_bias }
+        })
+    }
 }
 
 /// A mean of steps.
@@ -324,6 +344,7 @@ impl Steps {
     }
 
     /// Sums over some samples, so far away and of this likeness.
+    #[inline]
     fn add(&mut self, away: f32, like: f32, samples: f32, sum: f32, squares: f32) {
         let inside = (1.0 - away / self.reach_squared).max(0.0);
         let w = inside * inside * like;
@@ -333,16 +354,14 @@ impl Steps {
         self.squares += w * w * squares;
     }
 
-    /// The mean, as far as it is more than chance, where the finer choice has a variance of `before`.
-    fn credible(&self, before: f32, together: f32, doubt: f32) -> f32 {
+    /// The mean, as far as it is more than chance, whose noise is of this kind, where the finer choice has a variance of `before`.
+    fn credible(&self, noise: Noise, before: f32, together: f32, doubt: f32) -> f32 {
         if self.n <= 0.0 || self.sum <= 0.0 {
             return 0.0;
         }
-        let mean = self.sum / self.n;
         // without bias a product is as large as the finer choice's halves differ, 2 var each; samples within its kernel hang together
         let independent = (self.n * self.n / self.nn / together).max(1.0);
         let by_chance = (2.0 * before).powi(2) / independent;
-        let uncertain = by_chance.max(self.squares / (self.n * self.n));
-        credible(mean, uncertain, doubt)
+        noise.credible(self.sum / self.n, by_chance, self.squares / (self.n * self.n), doubt)
     }
 }

@@ -1,12 +1,13 @@
 //! Pyramid: what the pixels of blocks of 1, 2 × 2, 4 × 4 … found of each surface that they show, in the mean.
 
-use super::surfaces::{Patch, Place, Surfaces};
-use crate::spectrum::{BANDS, BLACK, Bands, add};
+use super::patch::Place;
+use super::surfaces::Surfaces;
+use super::told::{Told, count};
+use crate::spectrum::{BANDS, Bands};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// What pixels of several surfaces found counts as so many pixels: where surfaces are seen whole anywhere near, these alone tell of them.
-const MIXED: f32 = 0.02;
 /// Cosine between the normals of nodes that are joined.
 const JOIN_COS: f32 = 0.9;
 /// Difference between their clearances.
@@ -21,16 +22,14 @@ pub(super) struct Node {
     pub(super) at: Vec2,
     /// Pixels.
     pub(super) count: f32,
-    /// Mean irradiance that each half of the passes found, one after the other.
-    pub(super) values: [f32; VALUES],
 }
 
-/// The bands of both halves, and zeros up to whole vectors of four.
-pub(super) const VALUES: usize = (2 * BANDS).next_multiple_of(4);
+/// Mean irradiance that each half of the passes found, one after the other: the bands, and zeros up to whole vectors of four.
+pub(super) type Values = [f32; (2 * BANDS).next_multiple_of(4)];
 
 /// Both halves in one array.
-fn values(halves: &[Bands; 2]) -> [f32; VALUES] {
-    let mut values = [0.0; VALUES];
+fn values(halves: &[Bands; 2]) -> Values {
+    let mut values = Values::default();
     for (value, band) in values.iter_mut().zip(halves.as_flattened()) {
         *value = *band;
     }
@@ -46,84 +45,98 @@ pub(super) struct Level {
     pub(super) size: [u32; 2],
     first: Vec<u32>,
     nodes: Vec<Node>,
-}
-
-/// What a pixel tells of the surfaces that it shows.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Told {
-    /// Mean irradiance of each half of the passes, over all that the pixel shows; 0 in bands that it takes nothing of.
-    pub(super) halves: [Bands; 2],
-    /// Pixels that this counts as, for a part of the pixel of one.
-    pub(super) count: f32,
-}
-
-impl Told {
-    /// Of the mean radiance of each half.
-    pub(super) fn new(patches: &[Patch], is_mixed: bool, radiance: [Bands; 2]) -> Self {
-        let weight = patches.iter().fold(BLACK, |sum, patch| add(&sum, &patch.weight));
-        let over = |x: f32, weight: f32| if weight > 0.0 { x / weight } else { 0.0 };
-        let halves = radiance.map(|half| std::array::from_fn(|b| over(half[b], weight[b])));
-        Self { halves, count: if is_mixed { MIXED } else { 1.0 } }
-    }
+    /// What the nodes found of each layer.
+    values: Vec<Vec<Values>>,
 }
 
 impl Level {
-    /// Single pixels, of the mean radiance of each half.
-    pub(super) fn of_pixels(size: [u32; 2], surfaces: &Surfaces, halves: [&[Bands]; 2]) -> Self {
-        let (mut first, mut nodes) = (Vec::with_capacity(halves[0].len() + 1), Vec::new());
-        for pixel in 0..halves[0].len() {
+    /// Single pixels, of what they tell of each layer.
+    pub(super) fn of_pixels(size: [u32; 2], surfaces: &Surfaces, told: &[Told]) -> Self {
+        let pixels = (size[0] * size[1]) as usize;
+        let (mut first, mut nodes) = (Vec::with_capacity(pixels + 1), Vec::new());
+        for pixel in 0..pixels {
             first.push(nodes.len() as u32);
-            let patches = surfaces.at(pixel);
-            let told = Told::new(patches, surfaces.is_mixed(pixel), halves.map(|half| half[pixel]));
-            nodes.extend(patches.iter().map(|patch| Node {
+            let count = count(surfaces, pixel);
+            nodes.extend(surfaces.at(pixel).iter().map(|patch| Node {
                 place: patch.place,
                 at: middle(pixel as u32, size),
-                count: told.count * patch.share,
-                values: values(&told.halves),
+                count: count * patch.share,
             }));
         }
         first.push(nodes.len() as u32);
-        Self { width: 1, size, first, nodes }
+        let values = told.iter().map(|told| told.irradiance.iter().map(values).collect()).collect();
+        Self { width: 1, size, first, nodes, values }
     }
 
     /// Blocks of twice the size.
     pub(super) fn coarser(&self) -> Self {
         let size = self.size.map(|n| n.div_ceil(2));
-        let blocks: Vec<Vec<Node>> = (0..size[0] * size[1])
+        let blocks: Vec<(Vec<Node>, Vec<Part>)> = (0..size[0] * size[1])
             .into_par_iter()
             .map(|block| {
                 let (x, y) = (block % size[0] * 2, block / size[0] * 2);
-                let mut joined: Vec<Node> = Vec::new();
+                let (mut joined, mut parts): (Vec<Node>, Vec<Part>) = (Vec::new(), Vec::new());
                 for (x, y) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
                     if x >= self.size[0] || y >= self.size[1] {
                         continue;
                     }
-                    for node in self.of(x, y) {
-                        match joined.iter_mut().find(|other| other.goes_with(node, self.width)) {
-                            Some(other) => other.join(node),
+                    for id in self.ids(x, y) {
+                        let node = &self.nodes[id];
+                        let of = joined.iter().position(|other| other.goes_with(node, self.width));
+                        match of {
+                            Some(of) => joined[of].join(node),
                             None => joined.push(*node),
                         }
+                        let of = of.unwrap_or(joined.len() - 1);
+                        parts.push(Part { id: id as u32, of: of as u32, count: node.count });
                     }
                 }
                 joined.iter_mut().for_each(|n| n.place.normal = n.place.normal.normalize_or(Vec3::Z));
-                joined
+                (joined, parts)
             })
             .collect();
         let (mut first, mut nodes) = (Vec::with_capacity(blocks.len() + 1), Vec::new());
-        for block in blocks {
+        let mut coarser = vec![Vec::new(); self.values.len()];
+        for (block, parts) in blocks {
             first.push(nodes.len() as u32);
+            for (finer, coarser) in self.values.iter().zip(&mut coarser) {
+                coarser.resize(nodes.len() + block.len(), Values::default());
+                for &Part { id, of, count } in &parts {
+                    let part = count / block[of as usize].count;
+                    let sums = &mut coarser[nodes.len() + of as usize];
+                    sums.iter_mut().zip(&finer[id as usize]).for_each(|(sum, value)| *sum += part * value);
+                }
+            }
             nodes.extend(block);
         }
         first.push(nodes.len() as u32);
-        Self { width: 2 * self.width, size, first, nodes }
+        Self { width: 2 * self.width, size, first, nodes, values: coarser }
     }
 
-    /// The surfaces of a block.
+    /// Numbers of the surfaces of a block.
     #[inline]
-    pub(super) fn of(&self, x: u32, y: u32) -> &[Node] {
+    pub(super) fn ids(&self, x: u32, y: u32) -> Range<usize> {
         let block = (y * self.size[0] + x) as usize;
-        &self.nodes[self.first[block] as usize..self.first[block + 1] as usize]
+        self.first[block] as usize..self.first[block + 1] as usize
     }
+
+    /// One of them.
+    #[inline]
+    pub(super) fn node(&self, id: usize) -> &Node {
+        &self.nodes[id]
+    }
+
+    /// What all of them found of a layer.
+    pub(super) fn values(&self, layer: usize) -> &[Values] {
+        &self.values[layer]
+    }
+}
+
+/// A node as a part of one of a coarser block: its number, which of the block's it is part of, and its pixels.
+struct Part {
+    id: u32,
+    of: u32,
+    count: f32,
 }
 
 /// Middle of a pixel in the image.
@@ -147,9 +160,6 @@ impl Node {
         let (mine, theirs) = (self.count / count, other.count / count);
         self.place.join(self.count, &other.place, other.count);
         self.at = self.at * mine + other.at * theirs;
-        for (value, others) in self.values.iter_mut().zip(&other.values) {
-            *value = *value * mine + others * theirs;
-        }
         self.count = count;
     }
 }

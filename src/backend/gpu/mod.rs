@@ -349,7 +349,8 @@ impl Backend for GpuBackend {
     }
 
     fn resolver(&self) -> Option<Arc<Resolver>> {
-        self.plan.resolves.then(|| Arc::new(Resolver::new(self.scene.clone(), self.plan.settings.seed)))
+        Resolver::of_layers(self.scene.clone(), self.plan.settings.seed, self.plan.resolved_layers())
+            .map(Arc::new)
     }
 
     fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {

@@ -1,0 +1,97 @@
+//! Looks: what camera rays see through mirrors and glass. Where light comes by several ways the ray is split, so that what a pixel takes of
+//! each surface is no matter of chance. They are no part of the picture.
+
+use super::patch::{CLEARANCE_MOST, Patch, Place};
+use crate::optics::ray::{Ray, SurfaceInteraction};
+use crate::optics::shading::DELTA_MOST;
+use crate::optics::shading::bsdf::Bsdf;
+use crate::packed::{CameraRay, PackedScene};
+use crate::sampling::rng::purpose::{DIMENSION_PATCH, STREAM_PATCH};
+use crate::sampling::rng::{pcg4d, random4};
+use crate::spectrum::{BANDS, Bands, mul, scale};
+
+/// Longest specular chain that is followed.
+const CHAIN: u32 = 24;
+/// Ways that would have less than this part of a look are left to the others.
+const LEAST_PART: f32 = 0.02;
+
+/// One of a look's ways through the scene.
+struct Branch {
+    ray: Ray,
+    throughput: Bands,
+    /// From the eye, internal units.
+    length: f32,
+    /// What was met on the way.
+    kind: u32,
+    event: u32,
+    /// Part of the look.
+    part: f32,
+}
+
+/// Say where look `number` at a pixel ends; the first goes through its middle. The patches' shares are parts of the look.
+pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut found: impl FnMut(Patch)) {
+    let CameraRay { origin, direction, travelled: length } = if number == 0 {
+        let [width, height] = scene.size;
+        let at = |i: u32, n: u32| (i as f32 + 0.5) / n as f32;
+        scene.camera.ray([at(pixel % width, width), at(pixel / width, height)])
+    } else {
+        scene.sample_camera(pixel, number.into(), seed, STREAM_PATCH)
+    };
+    let ray = Ray::new(origin, direction);
+    // the first way of each split is followed at once, the others later
+    let mut later = Vec::new();
+    let mut next = Some(Branch { ray, throughput: [1.0; BANDS], length, kind: 0, event: 0, part: 1.0 });
+    while let Some(branch) = next.take().or_else(|| later.pop()) {
+        let Some(s) = SurfaceInteraction::hit(scene, &branch.ray) else { continue };
+        let length = branch.length + s.distance;
+        let bsdf = Bsdf::at(&s);
+        let shares = bsdf.shares(&branch.throughput);
+        let ways: [f32; 1 + DELTA_MOST] =
+            std::array::from_fn(|way| if way == 0 { shares.scatter } else { shares.delta[way - 1] });
+        let largest = ways.iter().fold(0.0f32, |a, b| a.max(*b));
+        let least = (LEAST_PART / branch.part * shares.kept()).min(largest);
+        let goes_on = |way: usize| ways[way] > 0.0 && ways[way] >= least;
+        let followed: f32 = (0..ways.len()).filter(|way| goes_on(*way)).map(|way| ways[way]).sum();
+        if followed <= 0.0 {
+            continue;
+        }
+        let throughput = scale(&branch.throughput, shares.kept() / followed);
+        if goes_on(0) {
+            let varies = bsdf.scatter.varies();
+            let place = Place {
+                position: s.position,
+                normal: s.ns,
+                footprint: length * scene.pixel_angle(),
+                kind: if varies {
+                    pcg4d([branch.kind, s.triangle.material + 1, 1, 0])[0]
+                } else {
+                    branch.kind
+                },
+                clearance: CLEARANCE_MOST,
+            };
+            let weight = mul(&throughput, &bsdf.scatter.albedo());
+            found(Patch {
+                place,
+                weight,
+                share: branch.part * ways[0] / followed,
+                is_through: branch.event > 0,
+            });
+        }
+        if branch.event + 1 == CHAIN {
+            continue;
+        }
+        let [u0, u1, ..] = random4(seed, number, pixel, DIMENSION_PATCH + branch.event);
+        for lobe in (0..DELTA_MOST).filter(|lobe| goes_on(lobe + 1)) {
+            let Some(direction) = bsdf.sample_delta(lobe, [u0, u1]) else { continue };
+            let way = Branch {
+                ray: s.leave(direction),
+                throughput: bsdf.through_delta(lobe, &throughput),
+                length,
+                kind: pcg4d([branch.kind, lobe as u32, s.triangle.material, 2])[0],
+                event: branch.event + 1,
+                part: branch.part * ways[lobe + 1] / followed,
+            };
+            if next.is_none() { next = Some(way) } else { later.push(way) }
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Tests of sharing: on planes whose light is known.
+
+use super::*;
+use crate::sampling::rng::random4;
+use crate::scene::{Camera, Material, Mesh, Scene, Triangle};
+use glam::{DVec3, Vec3};
+use patch::{Patch, Place};
+use regression::Kernel;
+
+const SIZE: [u32; 2] = [96, 96];
+const SEEDS: u32 = 8;
+
+/// A pixel's patch on the plane z = `height`.
+fn flat(pixel: u32, height: f32, weight: f32, share: f32) -> Patch {
+    let position = Vec3::new((pixel % SIZE[0]) as f32, (pixel / SIZE[0]) as f32, height);
+    let place = Place { position, normal: Vec3::Z, footprint: 1.0, kind: 0, clearance: 5.0 };
+    Patch { place, weight: [weight * share; BANDS], share, is_through: false }
+}
+
+/// What two halves of a pass each find of a truth, with white noise of this standard deviation, and what sharing makes of it.
+fn shared(surfaces: &Surfaces, truth: impl Fn(u32) -> f32, noise: f32, seed: u32) -> Resolved {
+    shared_as(Layer::Diffuse, surfaces, truth, noise, seed)
+}
+
+/// The same of a layer.
+fn shared_as(
+    layer: Layer,
+    surfaces: &Surfaces,
+    truth: impl Fn(u32) -> f32,
+    noise: f32,
+    seed: u32,
+) -> Resolved {
+    let half = |h: u32| -> Vec<Bands> {
+        let of = |pixel: u32| {
+            let u = random4(seed, h, pixel, 0);
+            // the sum of four uniform numbers, of variance one
+            let normal = (u.iter().sum::<f32>() - 2.0) * 3.0f32.sqrt();
+            [truth(pixel) + noise * std::f32::consts::SQRT_2 * normal; BANDS]
+        };
+        (0..SIZE[0] * SIZE[1]).map(of).collect()
+    };
+    let halves = [half(0), half(1)];
+    let lit = Lit { layer, halves: halves.each_ref().map(|half| &half[..]) };
+    let weights = vec![1.0; (SIZE[0] * SIZE[1]) as usize];
+    share(SIZE, surfaces, &[lit], [0.5; 2], &weights).remove(0)
+}
+
+/// Mean squared error.
+fn error(resolved: &Resolved, truth: impl Fn(u32) -> f32, of: impl Fn(u32) -> bool) -> f32 {
+    let pixels: Vec<u32> = (0..SIZE[0] * SIZE[1]).filter(|pixel| of(*pixel)).collect();
+    let square = |pixel: &u32| (resolved.radiance[*pixel as usize][0] - truth(*pixel)).powi(2);
+    pixels.iter().map(square).sum::<f32>() / pixels.len() as f32
+}
+
+fn all(_: u32) -> bool {
+    true
+}
+
+/// On a plane, irradiance that changes evenly loses all but a hundredth of its noise, to the edges of the image; and the estimate says
+/// no less than that, and √5 times as much at most: steps that are chance count as bias now and then.
+#[test]
+fn smooth_light_loses_its_noise() {
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 0.5, 1.0)]));
+    let truth = |pixel: u32| 1.0 + 0.01 * (pixel % SIZE[0]) as f32 - 0.003 * (pixel / SIZE[0]) as f32;
+    let noise = 0.3;
+    let (mut found, mut told) = (0.0, 0.0);
+    for seed in 0..SEEDS {
+        let resolved = shared(&surfaces, truth, noise, seed);
+        let squared = error(&resolved, truth, all);
+        assert!(squared < 0.01 * noise * noise, "{squared}");
+        found += squared;
+        told += resolved.squared_error.iter().flatten().sum::<f32>() / resolved.radiance.len() as f32;
+    }
+    assert!(told > found && told < found * 5.0, "{told} told, {found} found");
+}
+
+/// The fits of all levels at some pixels: the first band of the first half.
+fn fits(surfaces: &Surfaces, truth: impl Fn(u32) -> f32, pixels: &[u32]) -> Vec<f32> {
+    let half: Vec<Bands> = (0..SIZE[0] * SIZE[1]).map(|pixel| [truth(pixel); BANDS]).collect();
+    let told = apart::told(SIZE, surfaces, &[[&half[..], &half[..]]]);
+    let mut levels = vec![Level::of_pixels(SIZE, surfaces, &told)];
+    while levels.len() < LEVELS {
+        levels.push(levels[levels.len() - 1].coarser());
+    }
+    let of = |level: &Level, pixel: u32| {
+        let patch = &surfaces.at(pixel as usize)[0];
+        let kernel = Kernel::at(level, patch, middle(pixel, SIZE)).expect("its own pixel is near");
+        kernel.of(level.values(0))[0][0]
+    };
+    levels.iter().flat_map(|level| pixels.iter().map(|&pixel| of(level, pixel)).collect::<Vec<_>>()).collect()
+}
+
+/// Light that changes evenly comes out as it is at every level, in the corner of the image and next to its border, too: to 5 %, which the
+/// ridge takes of a slope there.
+#[test]
+fn fits_are_exact_where_light_changes_evenly() {
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 1.0, 1.0)]));
+    let truth = |pixel: u32| 1.0 + 0.02 * (pixel % SIZE[0]) as f32 + 0.01 * (pixel / SIZE[0]) as f32;
+    let pixels = [0, 5, 40 * SIZE[0], 50 * SIZE[0] + 50];
+    for (i, found) in fits(&surfaces, truth, &pixels).into_iter().enumerate() {
+        let wanted = truth(pixels[i % pixels.len()]);
+        assert!((found / wanted - 1.0).abs() < 0.05, "level {}: {found}, {wanted}", i / pixels.len());
+    }
+}
+
+/// Nothing passes from one surface to another beside it: one that lies higher, one of another kind, one that looks elsewhere.
+#[test]
+fn surfaces_keep_their_own() {
+    let is_left = |pixel: u32| pixel % SIZE[0] < 40;
+    let truth = |pixel: u32| if is_left(pixel) { 0.0 } else { 2.0 };
+    let changed = |pixel: u32, change: &dyn Fn(&mut Place)| {
+        let mut patch = flat(pixel, 0.0, 1.0, 1.0);
+        change(&mut patch.place);
+        patch
+    };
+    let others: [&dyn Fn(&mut Place); 3] =
+        [&|p| p.position.z = 60.0, &|p| p.kind = 7, &|p| p.normal = Vec3::X];
+    for (i, other) in others.into_iter().enumerate() {
+        let of =
+            |pixel| vec![if is_left(pixel) { flat(pixel, 0.0, 1.0, 1.0) } else { changed(pixel, other) }];
+        let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(of));
+        let at = |x: u32| 50 * SIZE[0] + x;
+        let found = fits(&surfaces, truth, &[at(39), at(40)]);
+        assert!(
+            found.chunks(2).all(|two| two[0].abs() < 1e-5 && (two[1] - 2.0).abs() < 1e-4),
+            "{i}: {found:?}"
+        );
+    }
+}
+
+/// A pixel that shows two surfaces takes of each as much as it shows, from pixels that show one.
+#[test]
+fn pixels_of_two_surfaces_take_from_both() {
+    let is_edge = |pixel: u32| pixel % SIZE[0] == 40;
+    let of = |pixel: u32| match pixel % SIZE[0] {
+        0..40 => vec![flat(pixel, 0.0, 1.0, 1.0)],
+        40 => vec![flat(pixel, 0.0, 1.0, 0.25), flat(pixel, 60.0, 1.0, 0.75)],
+        _ => vec![flat(pixel, 60.0, 1.0, 1.0)],
+    };
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(of));
+    let truth = |pixel: u32| match pixel % SIZE[0] {
+        0..40 => 1.0,
+        40 => 0.25 + 0.75 * 3.0,
+        _ => 3.0,
+    };
+    let noise = 0.3;
+    let found = error(&shared(&surfaces, truth, noise, 11), truth, is_edge);
+    assert!(found < 0.05 * noise * noise, "{found}");
+}
+
+/// Light of a checkerboard of two pixels' squares has no smooth part: with little noise it is left as it is, and with less and less
+/// the error goes to zero.
+#[test]
+fn sharing_is_consistent() {
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 1.0, 1.0)]));
+    let truth = |pixel: u32| 1.0 + (pixel % SIZE[0] / 2 + pixel / SIZE[0] / 2) as f32 % 2.0;
+    let mut before = f32::INFINITY;
+    for noise in [1.0, 0.3, 0.1, 0.03, 0.01] {
+        let found = error(&shared(&surfaces, truth, noise, 11), truth, all);
+        assert!(found < 2.0 * noise * noise && found < before, "noise {noise}: {found}");
+        before = found;
+    }
+}
+
+/// Where no pixel shows one surface alone, as in grass, each still comes out with its own irradiance: pixels that show more of one tell
+/// more of it.
+#[test]
+fn surfaces_that_are_never_alone_are_told_apart() {
+    let part = |pixel: u32| 0.2 + 0.6 * random4(3, 0, pixel, 0)[0];
+    let of = |pixel: u32| vec![flat(pixel, 0.0, 1.0, part(pixel)), flat(pixel, 60.0, 1.0, 1.0 - part(pixel))];
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(of));
+    let half: Vec<Bands> =
+        (0..SIZE[0] * SIZE[1]).map(|pixel| [part(pixel) + 3.0 * (1.0 - part(pixel)); BANDS]).collect();
+    let told = apart::told(SIZE, &surfaces, &[[&half[..], &half[..]]]).remove(0);
+    let mean = |which: usize| {
+        let of = |pixel: u32| told.of(surfaces.ids(pixel as usize).start + which)[0][0];
+        (0..SIZE[0] * SIZE[1]).map(of).sum::<f32>() / (SIZE[0] * SIZE[1]) as f32
+    };
+    // alike they would tell 2 and 2
+    assert!(mean(0) < 1.6 && mean(1) > 2.4, "{} and {}, not 1 and 3", mean(0), mean(1));
+}
+
+/// The edge of a shadow stays where direct light has little noise: next to it errors are no larger than the noise, and elsewhere a tenth of
+/// it is left.
+#[test]
+fn edges_of_shadows_stay() {
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 1.0, 1.0)]));
+    let truth = |pixel: u32| if pixel % SIZE[0] < 48 { 0.2 } else { 1.0 };
+    let noise = 0.03;
+    let resolved = shared_as(Layer::Direct, &surfaces, truth, noise, 11);
+    let at_edge = error(&resolved, truth, |pixel| (46..50).contains(&(pixel % SIZE[0])));
+    let away = error(&resolved, truth, |pixel| pixel % SIZE[0] < 16 || pixel % SIZE[0] >= 80);
+    assert!(at_edge < 1.2 * noise * noise, "{at_edge}");
+    assert!(away < 0.1 * noise * noise, "{away}");
+}
+
+/// A look takes each way that light comes by, with exactly its part: a floor that mirrors some of a ceiling shows both, in every look.
+#[test]
+fn looks_split() {
+    let mut mesh = Mesh::default();
+    for (z, material) in [(0.0, 0), (4.0, 1)] {
+        let first = mesh.positions.len() as u32;
+        let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+        mesh.positions.extend(corners.map(|[x, y]| DVec3::new(x, y, z)));
+        for vertex in [[0, 1, 2], [0, 2, 3]] {
+            mesh.triangles.push(Triangle { vertex: vertex.map(|k| first + k), normal: None, material });
+        }
+    }
+    let floor = Material { specular: [0.3; BANDS], ..Material::matte("floor", [0.5; BANDS]) };
+    let scene = PackedScene::whole(&Scene {
+        camera: Camera::pinhole(DVec3::new(0.0, -2.0, 2.0), DVec3::ZERO, DVec3::Z, [0.2; 2]),
+        size: [4; 2],
+        mesh,
+        materials: vec![floor, Material::matte("ceiling", [0.8; BANDS])],
+        lights: Vec::new(),
+        warnings: Vec::new(),
+        files: Vec::new(),
+    });
+    for (pixel, number) in (0..16).flat_map(|pixel| (0..4).map(move |number| (pixel, number))) {
+        let mut seen = Vec::new();
+        looks::look(&scene, 1, pixel, number, |patch| seen.push(patch));
+        let found: Vec<[f32; 2]> = seen.iter().map(|patch| [patch.weight[0], patch.share]).collect();
+        for (found, wanted) in found.iter().zip([[0.5, 0.5 / 0.8], [0.3 * 0.8, 0.3 / 0.8]]) {
+            assert!((0..2).all(|i| (found[i] - wanted[i]).abs() < 1e-6), "{pixel}: {found:?}, {wanted:?}");
+        }
+        assert_eq!(found.len(), 2, "pixel {pixel}, look {number}");
+        assert_ne!(seen[0].place.kind, seen[1].place.kind);
+    }
+}

@@ -1,0 +1,39 @@
+//! Told: what pixels say of the irradiance of the patches that they show.
+
+use super::surfaces::Surfaces;
+use crate::spectrum::Bands;
+
+/// What a pixel of several surfaces tells counts as so many pixels: where surfaces are seen whole anywhere near, these alone tell of
+/// them.
+const MIXED: f32 = 0.02;
+
+/// What is told of a layer at each patch of the image.
+#[derive(Debug)]
+pub(super) struct Told {
+    /// Mean irradiance of each half of the passes; 0 in bands that the pixel takes nothing of.
+    pub(super) irradiance: Vec<[Bands; 2]>,
+}
+
+impl Told {
+    /// All patches of a pixel alike, from the mean radiance of each half.
+    pub(super) fn alike(surfaces: &Surfaces, halves: [&[Bands]; 2]) -> Self {
+        let over = |x: f32, weight: f32| if weight > 0.0 { x / weight } else { 0.0 };
+        let of = |pixel: usize| {
+            let patches = surfaces.at(pixel);
+            let weight: Bands = std::array::from_fn(|b| patches.iter().map(|patch| patch.weight[b]).sum());
+            let mean = halves.map(|half| std::array::from_fn(|b| over(half[pixel][b], weight[b])));
+            std::iter::repeat_n(mean, patches.len())
+        };
+        Self { irradiance: (0..halves[0].len()).flat_map(of).collect() }
+    }
+
+    /// Of a patch.
+    pub(super) fn of(&self, id: usize) -> [Bands; 2] {
+        self.irradiance[id]
+    }
+}
+
+/// Pixels that what a pixel tells of a part of it, for a part of one, counts as.
+pub(super) fn count(surfaces: &Surfaces, pixel: usize) -> f32 {
+    if surfaces.is_mixed(pixel) { MIXED } else { 1.0 }
+}
