@@ -101,11 +101,13 @@ struct Smooth {
 /// Exponent of the passes with which the squared error of a resolved layer falls, until it is resolved again.
 const SMOOTH_RATE: f64 = 0.7;
 /// Factor on its variance: what was chosen is the least of some that are estimated.
-const SMOOTH_NOISE_SAFETY: f64 = 4.0;
+const SMOOTH_NOISE_SAFETY: f64 = 3.6;
+/// Passes that tell little of it: of so many it is doubled.
+const SMOOTH_PASSES: f64 = 4.0;
 /// Width of an image, pixels, that errors shared among neighbours hang together over.
 const SMOOTH_WIDTH: f64 = 16.0;
 /// Factor on its squared bias: what is smaller than the noise of the finest kernels does not show.
-const SMOOTH_SAFETY: f64 = 3.0;
+const SMOOTH_SAFETY: f64 = 5.0;
 
 /// Relative errors, root mean square over pixels and bands.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -348,7 +350,7 @@ impl ErrorEstimator {
         let few = 1.0 + SMOOTH_WIDTH / ((width * height) as f64).sqrt();
         let total = NOISE_SAFETY * noise_squared
             + BIAS_SAFETY * believed
-            + SMOOTH_NOISE_SAFETY * few * smooth_noise
+            + SMOOTH_NOISE_SAFETY * few * (1.0 + SMOOTH_PASSES / all) * smooth_noise
             + SMOOTH_SAFETY * smooth_bias;
         ErrorEstimate {
             total: total.sqrt(),

@@ -29,7 +29,7 @@ const DOUBT_NEAR: f32 = 4.0;
 /// A step of less than the square root of this in standard errors is no bias.
 const DOUBT: f32 = 2.0;
 /// Factor on both where the error is told, and not the better choice looked for.
-const DOUBT_OF_ERROR: f32 = 2.0;
+const DOUBT_OF_ERROR: f32 = 4.0;
 /// Kernel pixels over blocks: the equivalent number of equal weights.
 const KERNEL_BLOCKS: f32 = 10.9;
 
