@@ -31,6 +31,8 @@ use surfaces::Surfaces;
 const FIRST_CHOICE: usize = 3;
 /// Its relative variance.
 const UNSURE: f32 = 0.01;
+/// Squared radiance that errors are compared with, at most: one over it is no zero.
+const LARGEST_SQUARE: f32 = 1e30;
 /// How fast the weight of a choice falls with its squared error.
 const SHARPNESS: i32 = 4;
 /// Choices of less than this part of the weight are left out.
@@ -98,7 +100,7 @@ fn weights(film: &Film) -> Vec<f32> {
         let count = near().count() as f32;
         let sum = near().fold(BLACK, |sum, l| add(&sum, &l));
         let square = sum.iter().map(|x| (x / count).powi(2)).sum::<f32>() / BANDS as f32;
-        1.0 / (square + RELATIVE_OFFSET as f32)
+        1.0 / (square + RELATIVE_OFFSET as f32).min(LARGEST_SQUARE)
     };
     (0..pixels).into_par_iter().map(of).collect()
 }
@@ -202,6 +204,10 @@ fn parts_of(errors: &Errors, least: f32) -> [f32; CHOICES] {
     let kept: [f32; CHOICES] =
         std::array::from_fn(|choice| if is_left_out(choice) { 0.0 } else { weights[choice] });
     let total: f32 = kept.iter().sum();
+    if !total.is_finite() {
+        // squares of such light are no f32: a pixel keeps its own
+        return std::array::from_fn(|choice| if choice == 0 { 1.0 } else { 0.0 });
+    }
     kept.map(|weight| weight / total)
 }
 

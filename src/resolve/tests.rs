@@ -56,8 +56,8 @@ fn all(_: u32) -> bool {
     true
 }
 
-/// On a plane, irradiance that changes evenly loses all but a hundredth of its noise, to the edges of the image; and the estimate says
-/// no less than that, and √5 times as much at most: steps that are chance count as bias now and then.
+/// On a plane, irradiance that changes evenly loses all but a hundredth of its noise, to the edges of the image; and the estimate says so
+/// within a factor of three.
 #[test]
 fn smooth_light_loses_its_noise() {
     let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 0.5, 1.0)]));
@@ -71,7 +71,7 @@ fn smooth_light_loses_its_noise() {
         found += squared;
         told += resolved.squared_error.iter().flatten().sum::<f32>() / resolved.radiance.len() as f32;
     }
-    assert!(told > found && told < found * 5.0, "{told} told, {found} found");
+    assert!(told > found / 3.0 && told < found * 3.0, "{told} told, {found} found");
 }
 
 /// The fits of all levels at some pixels: the first band of the first half.
@@ -193,6 +193,17 @@ fn small_shadows_stay() {
     let away = error(&resolved, truth, |pixel| at(pixel)[1] >= 32);
     assert!(on < 1.5 * noise * noise, "{on}");
     assert!(away < 0.5 * noise * noise, "{away}");
+}
+
+/// Light whose square is no f32, or none, comes out as it was found.
+#[test]
+fn light_may_be_of_any_size() {
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 1.0, 1.0)]));
+    for size in [1e-30f32, 1e25] {
+        let resolved = shared(&surfaces, |_| size, 0.1 * size, 11);
+        let is_near = |l: &Bands| l.iter().all(|x| (x / size - 1.0).abs() < 0.5);
+        assert!(resolved.radiance.iter().all(is_near), "{size}");
+    }
 }
 
 /// A look takes each way that light comes by, with exactly its part: a floor that mirrors some of a ceiling shows both, in every look.
