@@ -95,3 +95,47 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Camera, Material, Mesh, Scene, Triangle};
+    use glam::DVec3;
+
+    /// A look takes each way that light comes by, with exactly its part: a floor that mirrors some of a ceiling shows both, in every look.
+    #[test]
+    fn looks_split() {
+        let mut mesh = Mesh::default();
+        for (z, material) in [(0.0, 0), (4.0, 1)] {
+            let first = mesh.positions.len() as u32;
+            let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+            mesh.positions.extend(corners.map(|[x, y]| DVec3::new(x, y, z)));
+            for vertex in [[0, 1, 2], [0, 2, 3]] {
+                mesh.triangles.push(Triangle { vertex: vertex.map(|k| first + k), normal: None, material });
+            }
+        }
+        let floor = Material { specular: [0.3; BANDS], ..Material::matte("floor", [0.5; BANDS]) };
+        let scene = PackedScene::whole(&Scene {
+            camera: Camera::pinhole(DVec3::new(0.0, -2.0, 2.0), DVec3::ZERO, DVec3::Z, [0.2; 2]),
+            size: [4; 2],
+            mesh,
+            materials: vec![floor, Material::matte("ceiling", [0.8; BANDS])],
+            lights: Vec::new(),
+            warnings: Vec::new(),
+            files: Vec::new(),
+        });
+        for (pixel, number) in (0..16).flat_map(|pixel| (0..4).map(move |number| (pixel, number))) {
+            let mut seen = Vec::new();
+            look(&scene, 1, pixel, number, |patch| seen.push(patch));
+            let found: Vec<[f32; 2]> = seen.iter().map(|patch| [patch.weight[0], patch.share]).collect();
+            for (found, wanted) in found.iter().zip([[0.5, 0.5 / 0.8], [0.3 * 0.8, 0.3 / 0.8]]) {
+                assert!(
+                    (0..2).all(|i| (found[i] - wanted[i]).abs() < 1e-6),
+                    "{pixel}: {found:?}, {wanted:?}"
+                );
+            }
+            assert_eq!(found.len(), 2, "pixel {pixel}, look {number}");
+            assert_ne!(seen[0].place.kind, seen[1].place.kind);
+        }
+    }
+}
