@@ -211,7 +211,8 @@ impl Plan {
             Arc::default()
         };
         Self {
-            resolves: settings.resolve,
+            // the maps end at thin walls, and sharing does not: where they give indirect light they are left alone
+            resolves: indirect == Indirect::Paths && settings.resolve,
             settings,
             caustic_wanted: (CAUSTIC_WANTED * guides.caustic.gain.powf(WANTED_GAIN)) as f32,
             guides: Arc::new(guides),
