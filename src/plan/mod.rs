@@ -244,11 +244,10 @@ impl Plan {
         self.jotons(kind) > 0
     }
 
-    /// Layers that are shared with neighbours when a picture is made. The diffuse map has shared its light already.
+    /// Layers that are shared with neighbours when a picture is made.
     pub fn resolved_layers(&self) -> Vec<Layer> {
-        let is_noise = |layer: &Layer| *layer != Layer::Diffuse || self.has_indirect_paths();
-        let layers = Layer::ON_SURFACES.into_iter().filter(|layer| self.traces(*layer)).filter(is_noise);
-        if self.resolves { layers.collect() } else { Vec::new() }
+        let is_shared = |layer: &Layer| self.resolves && self.traces(*layer);
+        Layer::ON_SURFACES.into_iter().filter(is_shared).collect()
     }
 
     /// True where eye paths go on from their gather points.
