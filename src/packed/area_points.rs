@@ -1,6 +1,7 @@
 //! Area points: an even sample of the diffuse surfaces, each point standing for the same area. Discs that lose a part of
 //! themselves at edges and corners are measured with them.
 
+use super::constants::{ONE_PLANE, ONE_SURFACE};
 use super::{EmitterKind, PackedScene, PackedTriangle};
 use crate::sampling::rng;
 use crate::sampling::rng::purpose::{DIMENSION_AREA, DIMENSION_BURIED, DIMENSION_TRUST};
@@ -19,11 +20,6 @@ pub struct AreaPoint {
 /// Steps of the R2 lattice (Roberts 2018): inverse powers of the plastic number.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
-/// Surfaces of one orientation or the opposite one that lie nearer than this, in internal units, are one: 32 units in the
-/// last place of the largest coordinates.
-const ONE_SURFACE: f32 = 1.0 / 512.0;
-/// Cosine between the normals of triangles that lie in one plane.
-const ONE_PLANE: f32 = 0.999;
 /// Where a line through a point leaves the plane, in tangents: along the axes it would run in the bounds' faces.
 const ASLANT: Vec3 = Vec3::new(0.031, 0.057, 0.043);
 

@@ -83,6 +83,21 @@ shared_constants! {
     pub const CLIP_SAME: f32 = 0.999;
     /// Least part of a caustic disc that two walls may leave: the product of their shares is exact for right angles only.
     pub const CLIP_KEPT_MIN: f32 = 0.1;
+    /// Triangles that a disc is measured with, at most, …
+    pub const DISC_TRIANGLES: u32 = 64;
+    /// … and least part of a circle that it may have: a joton's weight ends here. A disc that fails is halved, …
+    pub const DISC_AREA_LEAST: f32 = 0.03;
+    /// … as often as this.
+    pub const DISC_HALVINGS: u32 = 4;
+    /// Gather points whose normals' cosine is above this lie in one plane.
+    pub const INTERIOR_COS: f32 = 0.9999;
+    /// A disc whose area is the circle's but for this part, and in which no wall stands, is whole.
+    pub const DISC_WHOLE: f32 = 0.01;
+    /// Surfaces of one orientation or the opposite one that lie nearer than this, internal units, are one: 32 units in the last place
+    /// of the largest coordinates …
+    pub const ONE_SURFACE: f32 = 1.0 / 512.0;
+    /// … and whose normals have a cosine above this.
+    pub const ONE_PLANE: f32 = 0.999;
     /// The pass whose random numbers are the pilot's, which is no part of the image: its jotons choose the caustic radii, its
     /// camera paths find edges, walls and glints.
     pub const PILOT_PASS: u32 = u32::MAX;

@@ -10,7 +10,6 @@ use crate::packed::PackedScene;
 use crate::packed::constants::{CLIP_GRAZING, CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
 use crate::sampling::distributions::{basis, unit_circle};
 use glam::Vec3;
-use std::f32::consts::PI;
 
 /// A wall: points with `normal · p` ≥ `offset` lie before it; all of them where the normal is zero.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -30,15 +29,6 @@ impl Plane {
     /// True for a plane that is a wall to a surface of this normal, not the surface itself.
     fn is_steep(&self, normal: Vec3) -> bool {
         self.normal.dot(normal).abs() <= CLIP_STEEP
-    }
-
-    /// Part of a disc of this radius about `p`, which lies before the plane, that the plane leaves: a circle less a segment.
-    fn kept_share(&self, p: Vec3, radius: f32) -> f32 {
-        if !self.is_wall() {
-            return 1.0;
-        }
-        let t = ((self.normal.dot(p) - self.offset) / radius).clamp(0.0, 1.0);
-        1.0 - (t.acos() - t * (1.0 - t * t).sqrt()) / PI
     }
 }
 
@@ -96,11 +86,6 @@ impl Walls {
         }
     }
 
-    /// Part of the disc about `p` that they leave; exact for one wall and for two at a right angle.
-    pub(super) fn kept_share(&self, p: Vec3) -> f32 {
-        self.planes.iter().map(|plane| plane.kept_share(p, self.radius)).product()
-    }
-
     /// Normals, and offsets from `p`; none where there are no walls.
     pub(super) fn from(&self, p: Vec3) -> Option<[(Vec3, f32); 2]> {
         let planes = || self.planes.map(|plane| (plane.normal, plane.offset - plane.normal.dot(p)));
@@ -141,31 +126,4 @@ pub(super) fn find(scene: &PackedScene, area: Option<&AreaMap>, g: &GatherPoint,
         }
     }
     walls.planes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What a plane leaves of a disc: all, half, and between as counted on a lattice.
-    #[test]
-    fn share_of_a_disc() {
-        let plane = Plane { normal: Vec3::X, offset: 0.0 };
-        for (x, want) in [(2.0, 1.0), (0.0, 0.5)] {
-            assert!((plane.kept_share(Vec3::X * x, 1.0) - want).abs() < 1e-6);
-        }
-        let n = 1000;
-        for x in [0.1, 0.5, 0.9] {
-            let (mut all, mut before) = (0, 0);
-            for i in 0..n * n {
-                let [u, v] = [i % n, i / n].map(|k| (k as f32 + 0.5) * 2.0 / n as f32 - 1.0);
-                if u * u + v * v < 1.0 {
-                    all += 1;
-                    before += i32::from(x + u >= 0.0);
-                }
-            }
-            let share = plane.kept_share(Vec3::X * x, 1.0);
-            assert!((share - before as f32 / all as f32).abs() < 1e-3, "at {x}: {share}");
-        }
-    }
 }

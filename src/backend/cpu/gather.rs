@@ -1,6 +1,8 @@
 //! Gather: the radiance that leaves a gather point, from the jotons around it. L = throughput Σ f Φ w, w = 1/(π r²) or
-//! corrected at edges and walls [E7, E15].
+//! corrected at edges and walls [E7, E15, E31].
 
+use super::Pass;
+use super::disc::Disc;
 use super::eye::GatherPoint;
 use super::kd_tree::{EMPTY, LANES};
 use super::kernel_correction::Weights;
@@ -8,7 +10,7 @@ use super::maps::JotonMap;
 use super::window::Window;
 use crate::packed::PackedScene;
 use crate::plan::{CAUSTIC_FOOTPRINTS, Plan};
-use crate::spectrum::{BANDS, Bands, add, mul, scale};
+use crate::spectrum::{BANDS, BLACK, Bands, add, mul, scale};
 use glam::Vec4;
 
 /// Smallest and largest caustic radius of the first pass at a gather point.
@@ -27,6 +29,32 @@ pub(super) fn count(map: &JotonMap, w: &Window) -> u32 {
         }
     });
     found
+}
+
+/// Radiance of the caustic map toward the eye, times the throughput, from the jotons within a radius [E7, E31]. `is_whole`: the disc is
+/// known to lie in flat surface.
+pub(super) fn caustic(
+    pass: &Pass,
+    g: &GatherPoint,
+    radius: f32,
+    is_whole: bool,
+    accepted: Option<u32>,
+) -> Bands {
+    let map = &pass.caustic;
+    let w = Window::new(g, radius * radius);
+    let plain = Weights::plain(w.radius_squared);
+    let whole = radiance(map, g, &w, plain, accepted);
+    // most discs hold nothing that is worth a measured area
+    if is_whole || whole == BLACK {
+        return whole;
+    }
+    let disc = Disc::about(pass.scene, g, radius);
+    let weights = Weights::of_area(disc.area);
+    if disc.walls().is_none() && disc.radius == radius {
+        return scale(&whole, weights.constant / plain.constant);
+    }
+    let w = Window::new(g, disc.radius * disc.radius).before(disc.walls());
+    radiance(map, g, &w, weights, accepted)
 }
 
 /// Radiance toward the eye, times the throughput. `accepted` masks the automaton's states, None where every path is

@@ -7,12 +7,10 @@
 use super::Pass;
 use super::direct::Direct;
 use super::eye::{GatherPoint, survival};
-use super::gather::{caustic_limits, radiance};
-use super::kernel_correction::Weights;
+use super::gather::{caustic, caustic_limits};
 use super::streams::{
     DIMENSION_INDIRECT, DIMENSION_INDIRECT_LIGHT, EVENTS_MAX, STREAM_INDIRECT, STREAM_INDIRECT_LIGHT,
 };
-use super::window::Window;
 use crate::backend::Tally;
 use crate::estimators::indirect::tile_point;
 use crate::estimators::maps::MapKind;
@@ -85,8 +83,7 @@ pub(super) fn light(
         if plan.has_map(MapKind::Caustic) {
             let [_, largest] = caustic_limits(scene, plan, &next);
             let radius = INDIRECT_DISC * largest * pass.caustic_shrink.sqrt();
-            let w = Window::new(&next, radius * radius);
-            sum = add(&sum, &radiance(&pass.caustic, &next, &w, Weights::plain(w.radius_squared), accepted));
+            sum = add(&sum, &caustic(pass, &next, radius, false, accepted));
         }
         here = next;
     }

@@ -5,10 +5,11 @@
 //! (local linear regression, Fan & Gijbels 1996). Where the disc is whole they are 1/(π r²), 0, 0.
 
 use super::eye::GatherPoint;
+use super::interior::Interior;
 use super::maps::AreaMap;
 use super::window::Window;
 use crate::packed::constants::{DISC_DETERMINANT, FIT_AMPLIFICATION_MAX, FIT_DETERMINANT_MIN};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use std::f32::consts::PI;
 
 /// A disc with at least this share of its area …
@@ -19,8 +20,6 @@ const WHOLE_CENTROID: f32 = 0.05;
 const SURVEY_RADIUS: f32 = 1.3;
 /// … up to this part of its radius: an edge that costs it the 5 % that it may lack lies at 0.8 of its radius.
 const SURVEY_REACH: f32 = 0.87;
-/// Gather points whose normals' cosine is above this lie in one plane.
-const SAME_PLANE: f32 = 0.9999;
 
 /// Weight of a joton at tangent coordinates (x, y): `constant + slope · (x, y)`, 1/area.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,38 +31,24 @@ pub(super) struct Weights {
 impl Weights {
     /// The plain estimate: 1/(π r²).
     pub(super) fn plain(radius_squared: f32) -> Self {
-        Self { constant: 1.0 / (PI * radius_squared), slope: [0.0; 2] }
+        Self::of_area(PI * radius_squared)
+    }
+
+    /// The plain estimate from a part of a disc of this area.
+    pub(super) fn of_area(area: f32) -> Self {
+        Self { constant: 1.0 / area, slope: [0.0; 2] }
     }
 }
 
-/// A place with nothing but whole surface around it; unknown by default.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Interior {
-    center: Vec3,
-    /// Distance up to which the surface is whole; 0 where it is not.
-    reach: f32,
-    normal: Vec3,
-}
-
-impl Interior {
-    /// Look around a gather point, wider than its window.
-    pub(super) fn survey(map: &AreaMap, g: &GatherPoint, radius: f32) -> Self {
-        let wide = SURVEY_RADIUS * radius;
-        let w = Window::new(g, wide * wide);
-        let [area, x, y, ..] = moments(map, &w).map(|m| m / (PI * wide * wide));
-        // x and y are in internal units times the share of the area
-        let limit = WHOLE_CENTROID * wide * area;
-        let whole = area >= WHOLE_AREA && x * x + y * y <= limit * limit;
-        Self { center: g.position, reach: if whole { SURVEY_REACH * wide } else { 0.0 }, normal: g.ng }
-    }
-
-    /// True where the whole window lies in the surveyed surface.
-    pub(super) fn holds(&self, g: &GatherPoint, radius: f32) -> bool {
-        let slack = self.reach - radius;
-        slack > 0.0
-            && (g.position - self.center).length_squared() < slack * slack
-            && g.ng.dot(self.normal) > SAME_PLANE
-    }
+/// Look around a gather point, wider than its window: whether its disc is whole.
+pub(super) fn survey(map: &AreaMap, g: &GatherPoint, radius: f32) -> Interior {
+    let wide = SURVEY_RADIUS * radius;
+    let w = Window::new(g, wide * wide);
+    let [area, x, y, ..] = moments(map, &w).map(|m| m / (PI * wide * wide));
+    // x and y are in internal units times the share of the area
+    let limit = WHOLE_CENTROID * wide * area;
+    let whole = area >= WHOLE_AREA && x * x + y * y <= limit * limit;
+    Interior::new(g, if whole { SURVEY_REACH * wide } else { 0.0 })
 }
 
 /// The weights at a gather point. Always solved: a plain estimate wherever 95 % of the disc is there loses 0.1 % of the

@@ -6,12 +6,14 @@
 
 mod clip_planes;
 mod direct;
+mod disc;
 mod eye;
 mod gather;
 mod glint;
 #[doc(hidden)]
 pub mod harness;
 mod indirect;
+mod interior;
 mod kd_tree;
 mod kernel_correction;
 mod maps;
@@ -38,7 +40,7 @@ use crate::resolve::Resolver;
 use crate::sampling::rng::sequence_seed;
 use crate::spectrum::{BLACK, Bands};
 use clip_planes::Clip;
-use kernel_correction::Interior;
+use interior::Interior;
 use maps::{AreaMap, JotonMap};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -57,7 +59,9 @@ pub struct CpuBackend {
     caustic_base: Vec<f32>,
     /// In which pixels trees look for emission; none until it is needed, or where no emission is traced.
     glints: Option<SplitPaths>,
-    /// Walls about each pixel's gather point; empty until they are needed.
+    /// Where caustic discs are known to be whole, for each pixel; empty until it is needed.
+    caustic_interiors: Vec<Interior>,
+    /// Walls about each pixel's gather point; empty until they are needed, or where there is no diffuse map.
     clips: Vec<Clip>,
     area: Option<Area>,
     survey: Option<Survey>,
@@ -101,7 +105,9 @@ struct Pass<'a> {
     diffuse_radius: f32,
     /// Where each pixel's disc is known to be whole; empty where nothing is known.
     interiors: &'a [Interior],
-    /// Walls about each pixel's gather point; empty where no map is traced.
+    /// Where each pixel's caustic disc is known to be whole.
+    caustic_interiors: &'a [Interior],
+    /// Walls about each pixel's gather point; empty where there is no diffuse map.
     clips: &'a [Clip],
     /// Who rests.
     schedule: &'a TileSchedule,
@@ -116,6 +122,7 @@ impl CpuBackend {
             plan,
             caustic_base: Vec::new(),
             glints: None,
+            caustic_interiors: Vec::new(),
             clips: Vec::new(),
             area: None,
             survey: None,
@@ -157,26 +164,24 @@ impl CpuBackend {
         }
     }
 
-    /// Choose the caustic radii and find the walls about each pixel's gather point of the pilot pass, once.
+    /// Choose the caustic radii and find what surrounds each pixel's gather point of the pilot pass, once.
     fn look_around(&mut self) {
-        let traces_caustic = self.plan.traces(Layer::Caustic);
-        if !self.clips.is_empty() || !(traces_caustic || self.plan.has_map(MapKind::Diffuse)) {
-            return;
-        }
-        // mirrors have no area points; and --paths must not change what is found
-        let by_area = !self.plan.has_specular_bodies();
-        if by_area {
-            // with the area points of the first passes, whatever is rendered first
-            self.refresh_area(0);
-        }
-        let (scene, plan) = (&self.scene, &self.plan);
-        let map = traces_caustic
-            .then(|| JotonMap::new(trace::jotons(scene, plan, PILOT_PASS, true, &mut Tally::default())));
-        let area = self.area.as_ref().filter(|_| by_area).map(|a| &a.map);
-        let (found, clips) = pixels::look_around(scene, plan, PILOT_PASS, map.as_ref(), area);
-        self.clips = clips;
-        if traces_caustic {
+        if self.plan.traces(Layer::Caustic) && self.caustic_base.is_empty() {
+            let (scene, plan) = (&self.scene, &self.plan);
+            let map = JotonMap::new(trace::jotons(scene, plan, PILOT_PASS, true, &mut Tally::default()));
+            let found = pixels::caustic_discs(scene, plan, PILOT_PASS, &map);
             self.caustic_base = pixels::caustic_base(scene, plan, &found);
+            self.caustic_interiors = pixels::caustic_interiors(&found);
+        }
+        if self.plan.has_map(MapKind::Diffuse) && self.clips.is_empty() {
+            // mirrors have no area points; and --paths must not change what is found
+            let by_area = !self.plan.has_specular_bodies();
+            if by_area {
+                // with the area points of the first passes, whatever is rendered first
+                self.refresh_area(0);
+            }
+            let area = self.area.as_ref().filter(|_| by_area).map(|a| &a.map);
+            self.clips = pixels::clips(&self.scene, &self.plan, PILOT_PASS, area);
         }
     }
 
@@ -204,6 +209,7 @@ impl CpuBackend {
             glints: self.glints.as_ref(),
             caustic_shrink: shrink(plan.caustic.alpha, pass) as f32,
             diffuse_radius,
+            caustic_interiors: &self.caustic_interiors,
             clips: &self.clips,
             schedule: &self.schedule,
             interiors: self.survey.as_ref().map_or(&[][..], |s| &s.interiors[..]),

@@ -1,11 +1,12 @@
 //! Pixels: one pass's eye path, direct light and gather of every pixel, in small tiles so that neighbours share caches.
 
 use super::clip_planes::{self, Clip, Walls};
-use super::gather::{caustic_limits, count, radiance};
-use super::kernel_correction::{Interior, Weights, weights};
+use super::gather::{caustic, caustic_limits, count, radiance};
+use super::interior::Interior;
+use super::kernel_correction::{self, Weights, weights};
 use super::maps::{AreaMap, JotonMap};
 use super::window::Window;
-use super::{Pass, direct, eye, glint, indirect};
+use super::{Pass, direct, disc, eye, glint, indirect};
 use crate::backend::{Cause, Tally};
 use crate::estimators::maps::MapKind;
 use crate::film::neighbours::around;
@@ -13,7 +14,7 @@ use crate::film::paths::{Event, LightPaths};
 use crate::film::tile_schedule::TILE;
 use crate::film::{LAYERS, Layer};
 use crate::packed::PackedScene;
-use crate::packed::constants::CLIP_KEPT_MIN;
+use crate::packed::constants::CLIP_GRAZING;
 use crate::plan::Plan;
 use crate::spectrum::{Bands, add};
 use rayon::prelude::*;
@@ -94,12 +95,8 @@ fn one(pass: &Pass, pixel: u32, index: u32, tally: &mut Tally) -> [Bands; LAYERS
         let [smallest, largest] = caustic_limits(scene, plan, &g);
         let base = pass.caustic_base[pixel as usize].clamp(smallest, largest);
         let radius = base * pass.caustic_shrink.sqrt();
-        let walls = Walls::about(pass.clips, scene.size, pixel, &g, radius);
-        let w = Window::new(&g, radius * radius).before(walls.from(g.position));
-        // the part of the disc behind walls holds no light of this side
-        let kept = walls.kept_share(g.position).max(CLIP_KEPT_MIN);
-        out[Layer::Caustic as usize] =
-            radiance(&pass.caustic, &g, &w, Weights::plain(w.radius_squared * kept), accepted);
+        let is_whole = pass.caustic_interiors[pixel as usize].holds(&g, radius);
+        out[Layer::Caustic as usize] = caustic(pass, &g, radius, is_whole, accepted);
     }
     if plan.has_indirect_paths() {
         out[Layer::Diffuse as usize] = indirect::light(pass, &g, pixel, index, accepted, tally);
@@ -129,7 +126,7 @@ pub(super) fn interiors(
         .map(|i| {
             let surveyed = tiles(scene.size, i).flat_map(|(_, pixels)| pixels).filter_map(|pixel| {
                 let g = eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point?;
-                Some((pixel, Interior::survey(area, &g, radius)))
+                Some((pixel, kernel_correction::survey(area, &g, radius)))
             });
             surveyed.collect()
         })
@@ -139,39 +136,58 @@ pub(super) fn interiors(
     all
 }
 
-/// What the largest caustic disc of a pixel holds in the pilot: jotons, and the limits of its radius; none without a gather point.
-pub(super) type Found = Option<(u32, [f32; 2])>;
+/// The walls about each pixel's gather point of a pass, within the largest radius of the diffuse map.
+pub(super) fn clips(scene: &PackedScene, plan: &Plan, pass: u32, area: Option<&AreaMap>) -> Vec<Clip> {
+    let look = |pixel| {
+        let g = eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point;
+        g.map_or(Clip::default(), |g| clip_planes::find(scene, area, &g, plan.diffuse.base as f32))
+    };
+    (0..scene.pixels() as u32).into_par_iter().map(look).collect()
+}
 
-/// What is about each pixel's gather point of a pass: jotons of the caustic map, where there is one, and the walls within the
-/// largest radius.
-pub(super) fn look_around(
+/// The largest caustic disc of a pixel in the pilot.
+pub(super) struct CausticDisc {
+    /// Jotons in it.
+    count: u32,
+    /// Smallest and largest radius.
+    limits: [f32; 2],
+    /// How far the surface about it is whole.
+    interior: Interior,
+}
+
+/// The largest caustic disc of each pixel's gather point of a pass; none without a gather point.
+pub(super) fn caustic_discs(
     scene: &PackedScene,
     plan: &Plan,
     pass: u32,
-    caustic: Option<&JotonMap>,
-    area: Option<&AreaMap>,
-) -> (Vec<Found>, Vec<Clip>) {
+    map: &JotonMap,
+) -> Vec<Option<CausticDisc>> {
     let look = |pixel| {
-        let Some(g) = eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point else {
-            return (None, Clip::default());
-        };
-        let found = caustic.map(|map| {
-            let limits = caustic_limits(scene, plan, &g);
-            (count(map, &Window::new(&g, limits[1] * limits[1])), limits)
-        });
-        (found, clip_planes::find(scene, area, &g, plan.diffuse.base as f32))
+        let g = eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point?;
+        let limits = caustic_limits(scene, plan, &g);
+        let count = count(map, &Window::new(&g, limits[1] * limits[1]));
+        // the pixel's other gather points lie about this one
+        let footprint = g.length * scene.pixel_angle() / g.ng.dot(g.wo).abs().max(CLIP_GRAZING);
+        let interior = disc::survey(scene, &g, limits[1] + footprint);
+        Some(CausticDisc { count, limits, interior })
     };
-    (0..scene.pixels() as u32).into_par_iter().map(look).unzip()
+    (0..scene.pixels() as u32).into_par_iter().map(look).collect()
+}
+
+/// Where each pixel's caustic disc is known to be whole.
+pub(super) fn caustic_interiors(found: &[Option<CausticDisc>]) -> Vec<Interior> {
+    found.iter().map(|disc| disc.as_ref().map_or_else(Interior::default, |disc| disc.interior)).collect()
 }
 
 /// The caustic radius of each pixel in the first pass, from the jotons counted in a pilot:
 /// r = clamp(r_max √(K/k), r_min, r_max), k the mean count at r_max over 3×3 pixels [E14].
-pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, found: &[Found]) -> Vec<f32> {
+pub(super) fn caustic_base(scene: &PackedScene, plan: &Plan, found: &[Option<CausticDisc>]) -> Vec<f32> {
     let base = |pixel: usize| {
-        let Some((_, [smallest, largest])) = found[pixel] else {
+        let Some(CausticDisc { limits: [smallest, largest], .. }) = found[pixel] else {
             return plan.caustic.base as f32;
         };
-        let counts = || around(pixel as u32, scene.size).filter_map(|i| found[i]).map(|(count, _)| count);
+        let counts =
+            || around(pixel as u32, scene.size).filter_map(|i| found[i].as_ref()).map(|disc| disc.count);
         let sum: u32 = counts().sum();
         if sum == 0 {
             return largest;
