@@ -74,18 +74,3 @@ fn with_clip(walls: Walls, clip: Clip, p: vec3<f32>, normal: vec3<f32>, r: f32) 
 fn is_before(plane: vec4<f32>, p: vec3<f32>) -> bool {
     return dot(plane.xyz, p) >= plane.w;
 }
-
-// Part of a disc of radius r about p that a plane across it leaves, p before the plane: a circle less a segment.
-fn kept_share(plane: vec4<f32>, p: vec3<f32>, r: f32) -> f32 {
-    if all(plane.xyz == vec3(0.0)) {
-        return 1.0;
-    }
-    let t = clamp((dot(plane.xyz, p) - plane.w) / r, 0.0, 1.0);
-    return 1.0 - (acos(t) - t * sqrt(1.0 - t * t)) / PI;
-}
-
-// Width of the pixel on the surface, where it is longest.
-fn pixel_footprint(point: GatherPoint, pixel_angle: f32) -> f32 {
-    let cosine = abs(dot(decode_direction(point.normal), decode_direction(point.wo)));
-    return point.path_length * pixel_angle / max(cosine, CLIP_GRAZING);
-}

@@ -34,13 +34,8 @@ struct Grid {
 // Rows of cells that a sphere no wider than two cells touches are at most four each way. Bit 4 z + y stands for the row
 // whose y and z leave these remainders by four: spheres near each other share rows, and the bits of these.
 fn rows_touched(grid: Grid, p: vec3<f32>, r: f32) -> u32 {
-    return rows_within(grid, p, vec3(r));
-}
-
-// The same of a box no wider than two cells: half its widths.
-fn rows_within(grid: Grid, p: vec3<f32>, extent: vec3<f32>) -> u32 {
-    let lowest = cell_of(p - extent, grid.origin, grid.cells_per_unit).yz;
-    let highest = cell_of(p + extent, grid.origin, grid.cells_per_unit).yz;
+    let lowest = cell_of(p - r, grid.origin, grid.cells_per_unit).yz;
+    let highest = cell_of(p + r, grid.origin, grid.cells_per_unit).yz;
     // as many ones as rows, turned to where they belong
     let ones = (vec2(1u) << vec2<u32>(min(highest - lowest, vec2(3)) + 1)) - 1u;
     let turn = vec2<u32>(lowest) & vec2(3u);
@@ -50,15 +45,10 @@ fn rows_within(grid: Grid, p: vec3<f32>, extent: vec3<f32>) -> u32 {
 
 // Buckets [x, y) that a sphere of radius r about p reaches in the row of a bit; empty where it does not reach it.
 fn row_run(grid: Grid, p: vec3<f32>, r: f32, bit: u32) -> vec2<u32> {
-    return row_run_within(grid, p, r, vec3(r), bit);
-}
-
-// The same of the part of the sphere that lies in a box about p.
-fn row_run_within(grid: Grid, p: vec3<f32>, r: f32, extent: vec3<f32>, bit: u32) -> vec2<u32> {
-    let lowest = cell_of(p - extent, grid.origin, grid.cells_per_unit).yz;
-    let highest = cell_of(p + extent, grid.origin, grid.cells_per_unit).yz;
+    let lowest = cell_of(p - r, grid.origin, grid.cells_per_unit).yz;
+    let highest = cell_of(p + r, grid.origin, grid.cells_per_unit).yz;
     let at = lowest + ((vec2<i32>(vec2(bit & 3u, bit >> 2u)) - lowest) & vec2(3));
-    let reach = min(reach_in_row(p, r * r, at.x, at.y, grid.origin, 1.0 / grid.cells_per_unit), extent.x);
+    let reach = reach_in_row(p, r * r, at.x, at.y, grid.origin, 1.0 / grid.cells_per_unit);
     if any(at > highest) || reach < 0.0 {
         return vec2(0u);
     }

@@ -35,8 +35,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let end = bucket_starts[buckets.y];
         for (var i = bucket_starts[buckets.x]; i < end; i += 1u) {
             let d = sorted_jotons[i].position - point.position;
-            if dot(d, d) < r * r && abs(dot(d, normal)) < GATHER_PLANE_SHARE * r
-                && dot(decode_normal24(sorted_jotons[i].normal_state), normal) > 127.0 * GATHER_NORMAL_COS {
+            let facing = decode_normal24(sorted_jotons[i].normal_state);
+            if dot(d, d) < r * r && abs(dot(d, facing)) < 127.0 * GATHER_PLANE_SHARE * r
+                && dot(facing, normal) > 127.0 * GATHER_NORMAL_COS {
                 count += 1.0;
             }
         }

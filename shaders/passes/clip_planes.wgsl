@@ -7,9 +7,6 @@
 // import: accel/intersect.wgsl
 // import: maps/clip_planes.wgsl
 
-// The pilot has looked for edges; else anything may be near.
-override HAS_EDGES: bool = true;
-
 @group(1) @binding(0) var<uniform> map_info: MapInfo;
 @group(1) @binding(1) var<storage, read> gather_points: array<GatherPoint>;
 @group(1) @binding(2) var<storage, read> edges: array<u32>;
@@ -23,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     var clip = Clip(vec4(0.0), vec4(0.0));
-    if !HAS_EDGES || edges[held(pixel)] != 0u {
+    if edges[held(pixel)] != 0u {
         let point = gather_points[held(pixel)];
         let normal = decode_direction(point.normal);
         let frame = basis(normal);

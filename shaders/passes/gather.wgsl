@@ -1,7 +1,7 @@
 // Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
 // L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the corrected kernel's weights [E15]; no cosine, it is in Φ already.  [E7] Jensen 1996
-// Two variants: the caustic map (a radius for each pixel) and the diffuse map (its kernel corrected at edges and walls).
-// reads  tiles, map_info, path_filter, gather_points, scene, sorted_jotons, bucket_starts, fits, clips
+// Two variants: the caustic map (true discs [E31]) and the diffuse map (its kernel corrected at edges and walls).
+// reads  tiles, map_info, path_filter, gather_points, scene, sorted_jotons, bucket_starts; discs (caustic); fits, clips (diffuse)
 // writes  film, status
 // import: scene/features.wgsl
 // import: scene/scene.wgsl
@@ -22,11 +22,22 @@ override CAUSTIC: bool = false;
 @group(1) @binding(2) var<storage, read> gather_points: array<GatherPoint>;
 @group(1) @binding(3) var<storage, read> sorted_jotons: array<Joton>;
 @group(1) @binding(4) var<storage, read> bucket_starts: array<u32>;
-// Caustic map: base radius of each pixel in .x; diffuse map: weights of the fit.
+// Diffuse map: weights of the fit.
 @group(1) @binding(5) var<storage, read> fits: array<Fit>;
 @group(1) @binding(6) var<storage, read_write> film: array<vec4<f32>>;
 @group(1) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
 @group(1) @binding(8) var<storage, read> clips: array<Clip>;
+// Caustic map: what is left of each disc.
+@group(1) @binding(9) var<storage, read> discs: array<Disc>;
+
+// A wall as seen from the disc's middle: unit normal, and how far along it the wall lies.
+fn wall_about(plane: vec4<f32>, p: vec3<f32>) -> vec4<f32> {
+    return vec4(plane.xyz, plane.w - dot(plane.xyz, p));
+}
+
+fn stands_before(wall: vec4<f32>, d: vec3<f32>) -> bool {
+    return dot(wall.xyz, d) >= wall.w;
+}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -39,11 +50,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let at = select(0u, held(pixel), pixel != NO_PIXEL);
     let point = gather_points[at];
     let is_here = pixel != NO_PIXEL && max_band(point.throughput) > 0.0;
-    let fit = fits[at].c;
+    var fit = vec4(0.0);
     var r = map_info.radius;
-    if CAUSTIC {
-        r = min(r, fit.x * sqrt(map_info.shrink));
-    }
     let m = material_of_point(point);
     let varies = does_vary(m);
     let chain = chain_of(point);
@@ -51,12 +59,22 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
     let frame = basis(normal);
-    var walls = no_walls(r);
-    if is_here {
-        walls = walls_about(pixel, point.position, normal, r);
+    var first_wall = vec4(0.0);
+    var second_wall = vec4(0.0);
+    if CAUSTIC {
+        let disc = discs[at];
+        r = disc.radius;
+        fit.x = 1.0 / disc.area;
+        first_wall = vec4(decode_direction(disc.first_normal), disc.first_offset);
+        second_wall = vec4(decode_direction(disc.second_normal), disc.second_offset);
+    } else {
+        fit = fits[at].c;
+        if is_here {
+            let walls = walls_about(pixel, point.position, normal, r);
+            first_wall = wall_about(walls.planes[0], point.position);
+            second_wall = wall_about(walls.planes[1], point.position);
+        }
     }
-    let first_wall = walls.planes[0];
-    let second_wall = walls.planes[1];
     let slope = (fit.y * frame[0] + fit.z * frame[1]) / r;
     let r2 = r * r;
     let plane = GATHER_PLANE_SHARE * r;
@@ -88,9 +106,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 let is_mine = first + k >= i && first + k < end;
                 let n = from_lane(facing, k).xyz;
                 var flux = bands_of_four(from_lane(flux4, k));
-                if is_mine && dot(d, d) < r2 && abs(dot(d, normal)) < plane
+                // a true disc is measured face by face: all of a flat face is near, or nothing
+                let height = abs(dot(d, select(normal, n / 127.0, CAUSTIC)));
+                if is_mine && dot(d, d) < r2 && height < plane
                     && dot(n, normal) > 127.0 * GATHER_NORMAL_COS
-                    && is_before(first_wall, joton.xyz) && is_before(second_wall, joton.xyz)
+                    && stands_before(first_wall, d) && stands_before(second_wall, d)
                     && (!HAS_PATH_FILTER || path_wanted(bitcast<u32>(joton.w) >> 24u, chain)) {
                     if varies {
                         let wi = decode_direction(sorted_jotons[first + k].wi);
@@ -113,9 +133,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     if CAUSTIC {
-        // the part of the disc behind walls holds no light of this side
-        let kept = kept_share(first_wall, point.position, r) * kept_share(second_wall, point.position, r);
-        sum /= PI * r * r * max(kept, CLIP_KEPT_MIN);
+        sum *= fit.x;
     }
     if !varies {
         sum *= eval_scatter(m, shading, wo, wo);

@@ -16,6 +16,7 @@
 // import: shading/bsdf.wgsl
 // import: lights/direct.wgsl
 // import: maps/grid.wgsl
+// import: maps/disc.wgsl
 // import: paths/gather_point.wgsl
 // import: paths/survival.wgsl
 // import: paths/paths.wgsl
@@ -56,21 +57,40 @@ fn leave(m: PackedMaterial, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u
     return Leaving(wi, select(Bands(0.0), weight, cosine > 0.0 && dot(wi, geometric) > 0.0));
 }
 
-// Radiance of the caustic map's jotons in a disc as large as it may be at this length of the path [E7]. `accepted` masks the
-// states of jotons that are wanted; u picks one of those that stand for each other.
-fn caustic_light(r: Receiver, path_length: f32, accepted: u32, u: f32) -> Bands {
+// Radiance of the caustic map's jotons at a surface, in a disc as large as it may be at this length of the path [E7, E31].
+// `accepted` masks the states of jotons that are wanted; u picks one of those that stand for each other.
+fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, accepted: u32, u: f32) -> Bands {
     let footprint = path_length * pass_info.camera.pixel_angle;
     let radius = INDIRECT_DISC * min(map_info.radius, RADIUS_FOOTPRINTS * footprint * sqrt(map_info.shrink));
+    var disc = whole_disc(radius);
+    var sum = Bands(0.0);
+    for (var turn = 0u; turn < 2u; turn += 1u) {
+        sum = joton_flux(r, disc, accepted, u);
+        // most discs hold nothing that is worth a measured area
+        if turn > 0u || max_band(sum) <= 0.0 {
+            break;
+        }
+        disc = true_disc(DiscPlace(r.origin, r.geometric, front), radius, false);
+        if all(disc.first.xyz == vec3(0.0)) && disc.radius == radius {
+            break;
+        }
+    }
+    if !does_vary(r.material) {
+        sum *= eval_scatter(r.material, r.shading, r.wo, r.wo);
+    }
+    return sum / disc.area;
+}
+
+// Flux of the jotons in a disc, times f where it varies.
+fn joton_flux(r: Receiver, disc: TrueDisc, accepted: u32, u: f32) -> Bands {
+    let radius = disc.radius;
     let r2 = radius * radius;
     let varies = does_vary(r.material);
     let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
     var sum = Bands(0.0);
-    // of the ball only what lies near the plane
-    let steep = abs(r.geometric);
-    let extent = radius * min(sqrt(max(1.0 - steep * steep, vec3(0.0))) + 1.001 * GATHER_PLANE_SHARE * steep, vec3(1.0));
-    var rows = rows_within(grid, r.origin, extent);
+    var rows = rows_touched(grid, r.origin, radius);
     while rows != 0u {
-        let buckets = row_run_within(grid, r.origin, radius, extent, countTrailingZeros(rows));
+        let buckets = row_run(grid, r.origin, radius, countTrailingZeros(rows));
         rows &= rows - 1u;
         steps += 1u;
         if buckets.x >= buckets.y {
@@ -82,9 +102,11 @@ fn caustic_light(r: Receiver, path_length: f32, accepted: u32, u: f32) -> Bands 
         var i = first + u32(u * f32(stride));
         while i < end {
             let d = sorted_jotons[i].position - r.origin;
-            if dot(d, d) < r2 && abs(dot(d, r.geometric)) < GATHER_PLANE_SHARE * radius {
+            if dot(d, d) < r2 && height_over(disc.first, d) >= 0.0 && height_over(disc.second, d) >= 0.0 {
                 let normal_state = sorted_jotons[i].normal_state;
-                if dot(decode_normal24(normal_state), r.geometric) > 127.0 * GATHER_NORMAL_COS
+                let facing = decode_normal24(normal_state);
+                if dot(facing, r.geometric) > 127.0 * GATHER_NORMAL_COS
+                    && abs(dot(d, facing)) < 127.0 * GATHER_PLANE_SHARE * radius
                     && (!HAS_PATH_FILTER || ((accepted >> (normal_state >> 24u)) & 1u) != 0u) {
                     var flux = sorted_jotons[i].flux * f32(stride);
                     if varies {
@@ -100,10 +122,7 @@ fn caustic_light(r: Receiver, path_length: f32, accepted: u32, u: f32) -> Bands 
             atomicAdd(&status[STATUS_LOOP_CUT], 1u);
         }
     }
-    if !varies {
-        sum *= eval_scatter(r.material, r.shading, r.wo, r.wo);
-    }
-    return sum / (PI * r2);
+    return sum;
 }
 
 // A path on its way.
@@ -213,7 +232,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
             steps += candidates * (33u - countLeadingZeros(pass_info.emitters));
         }
         if HAS_CAUSTIC_MAP {
-            (*p).sum += throughput * caustic_light(receiver, (*p).length, (*p).accepted, random.y);
+            (*p).sum += throughput * caustic_light(receiver, s.front, (*p).length, (*p).accepted, random.y);
         }
         let u = random4(pass_info.seed, (*p).sample, (*p).pixel, dimension + 1u);
         let next = leave(b.material, b.geometric, b.shading, -direction, u.yzx);

@@ -81,8 +81,6 @@ shared_constants! {
     pub const CLIP_STEEP: f32 = 0.5;
     /// Cosine between the normals of two hits above which they are of one wall, if they are equally far.
     pub const CLIP_SAME: f32 = 0.999;
-    /// Least part of a caustic disc that two walls may leave: the product of their shares is exact for right angles only.
-    pub const CLIP_KEPT_MIN: f32 = 0.1;
     /// Triangles that a disc is measured with, at most, …
     pub const DISC_TRIANGLES: u32 = 64;
     /// … and least part of a circle that it may have: a joton's weight ends here. A disc that fails is halved, …
@@ -115,7 +113,7 @@ shared_constants! {
     pub const NARROW_STOPS: f32 = 1.0;
     /// All surfaces lie nearer than this to the internal origin, internal units.
     pub const SCENE_RADIUS: f32 = 1024.0;
-    /// Discs of the caustic map at the later surfaces of a path are this part of the largest: no wall and no edge ends them.
+    /// Discs of the caustic map at the later surfaces of a path are this part of the largest.
     pub const INDIRECT_DISC: f32 = 0.5;
     /// Events after which no path goes on for sure …
     pub const SURE_EVENTS: u32 = 64;

@@ -235,6 +235,28 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// What the disc of the caustic map holds of the surface of a pixel's gather point; 32 bytes.
+    pub struct Disc {
+        /// Unit normal of the nearest wall, octahedral, turned so that the disc's middle lies before the wall.
+        pub first_normal: u32,
+        /// How far along it the wall lies from the middle: at most 0; very far below where there is none.
+        pub first_offset: f32,
+        /// The same of the next wall.
+        pub second_normal: u32,
+        /// See above.
+        pub second_offset: f32,
+        /// The radius, internal units.
+        pub radius: f32,
+        /// Area of the surface in it before the walls, internal units².
+        pub area: f32,
+        /// Nothing.
+        pub pad0: u32,
+        /// Nothing.
+        pub pad1: u32,
+    }
+}
+
+gpu_struct! {
     /// The automaton of --paths.
     pub struct PathFilter {
         /// Next state for events D and S: word 2 * state + event.

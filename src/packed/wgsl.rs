@@ -22,6 +22,7 @@ pub fn declarations() -> String {
         AreaPoint::WGSL,
         Fit::WGSL,
         Clip::WGSL,
+        Disc::WGSL,
         PathFilter::WGSL,
         PackedTriangle::WGSL,
         PackedMaterial::WGSL,

@@ -12,7 +12,7 @@ use crate::film::{LAYERS, Layer, host_bytes};
 use crate::packed::accel::Node;
 use crate::packed::constants::{SMALL_WORDS, TILE, TILES_VECTORS};
 use crate::packed::layout::{
-    AreaPoint, Clip, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, status,
+    AreaPoint, Clip, Disc, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, status,
 };
 use crate::packed::{
     HEAP_WORD, HeapCounts, HeapLayout, MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene,
@@ -44,15 +44,18 @@ pub struct Known {
 /// What is known of each pixel.
 pub fn known(plan: &Plan) -> impl Iterator<Item = Known> {
     let [caustic, diffuse] = MapKind::ALL.map(|kind| plan.has_map(kind));
-    let radius = Known { name: "radii", words: [4, 1] };
+    let radius = Known { name: "radii", words: [4, 4] };
+    let interiors = Known { name: "interiors", words: [4, 4] };
     let edges = Known { name: "edges", words: [1, 1] };
     let clips = Known { name: "clips", words: [8, 8] };
-    let all = [(radius, caustic), (edges, diffuse), (clips, caustic || diffuse)];
+    let all = [(radius, caustic), (interiors, caustic), (edges, diffuse), (clips, diffuse)];
     all.into_iter().filter_map(|(known, is_read)| is_read.then_some(known))
 }
 
 /// Bytes of a pixel of a film: a vector of four, of which three are used.
 pub const FILM_PIXEL: u64 = 16;
+/// Bytes of a pixel of what is known of the surface about it: a vector of four.
+const INTERIOR: u64 = 16;
 /// Bytes of a word.
 const WORD: u64 = 4;
 /// Bytes that every buffer's size is a multiple of.
@@ -412,16 +415,21 @@ fn pixel_buffers(plan: &Plan, pixels: u64) -> Vec<Buffer> {
     let emission = plan.traces(Layer::Emission);
     let fit = size_of::<Fit>() as u64;
     // kernels that can do without still have a binding for it
-    let edges = if diffuse { pixels } else { 0 };
+    let edges = if diffuse { pixels } else { 1 };
+    let fits = if diffuse || emission { pixels.max(TREES_MAX.into()) } else { 1 };
+    let clips = edges * size_of::<Clip>() as u64;
+    let discs = if caustic { pixels } else { 1 } * size_of::<Disc>() as u64;
     let trees = SplitPaths::most(pixels).max(TREES_MAX.into());
     let all = [
         (true, "gather_points", pixels * size_of::<GatherPoint>() as u64, "where camera paths end"),
-        (diffuse || emission, "fits", pixels.max(TREES_MAX.into()) * fit, "what trees see, weights of discs"),
+        (true, "fits", fits * fit, "what trees see, weights of discs"),
         (caustic || emission, "radii", pixels * fit, "radius of the caustic map, what the pilot's trees see"),
         (caustic, "counts", pixels * WORD, "jotons that the pilot found"),
         (emission, "glints", trees * WORD, "trees that look for emission"),
         (caustic || diffuse, "edges", edges * WORD, "whether a disc is whole"),
-        (caustic || diffuse, "clips", pixels * size_of::<Clip>() as u64, "walls about a disc"),
+        (caustic || diffuse, "clips", clips, "walls about a disc"),
+        (caustic || diffuse, "discs", discs, "what is left of a caustic disc"),
+        (caustic, "interiors", pixels * INTERIOR, "where a caustic disc is whole"),
     ];
     let needed = all.into_iter().filter(|(is_needed, ..)| *is_needed);
     let mut all: Vec<Buffer> =

@@ -42,8 +42,8 @@ pub(super) struct Disc {
     walls: [HalfSpace; 2],
 }
 
-/// Corners of a triangle that seven half spaces have clipped, at most.
-const CORNERS: usize = 10;
+/// Corners of a triangle that five half spaces have clipped, at most.
+const CORNERS: usize = 8;
 
 /// A convex polygon, by the places of its corners from the disc's middle.
 #[derive(Debug, Clone, Copy)]
@@ -229,9 +229,10 @@ impl Near {
             return None;
         }
         let share = if facing > 0.0 { GATHER_PLANE_SHARE } else { GATHER_SHEET_SHARE };
-        let low = HalfSpace { normal: g.ng, offset: -share * radius };
-        let high = HalfSpace { normal: -g.ng, offset: -share * radius };
-        let mut part = Polygon::triangle(self.corners).clipped(&low).clipped(&high);
+        if self.normal.dot(self.corners[0]).abs() >= share * radius {
+            return None;
+        }
+        let mut part = Polygon::triangle(self.corners);
         for wall in walls.iter().filter(|w| w.is_wall()) {
             part = part.clipped(wall);
         }

@@ -41,7 +41,7 @@ pub(super) fn caustic(
     accepted: Option<u32>,
 ) -> Bands {
     let map = &pass.caustic;
-    let w = Window::new(g, radius * radius);
+    let w = Window::new(g, radius * radius).by_own_plane();
     let plain = Weights::plain(w.radius_squared);
     let whole = radiance(map, g, &w, plain, accepted);
     // most discs hold nothing that is worth a measured area
@@ -53,7 +53,7 @@ pub(super) fn caustic(
     if disc.walls().is_none() && disc.radius == radius {
         return scale(&whole, weights.constant / plain.constant);
     }
-    let w = Window::new(g, disc.radius * disc.radius).before(disc.walls());
+    let w = Window::new(g, disc.radius * disc.radius).by_own_plane().before(disc.walls());
     radiance(map, g, &w, weights, accepted)
 }
 

@@ -165,7 +165,7 @@ pub(super) fn caustic_discs(
     let look = |pixel| {
         let g = eye::follow(scene, plan, pixel, pass, 0.0, &mut Tally::default()).gather_point?;
         let limits = caustic_limits(scene, plan, &g);
-        let count = count(map, &Window::new(&g, limits[1] * limits[1]));
+        let count = count(map, &Window::new(&g, limits[1] * limits[1]).by_own_plane());
         // the pixel's other gather points lie about this one
         let footprint = g.length * scene.pixel_angle() / g.ng.dot(g.wo).abs().max(CLIP_GRAZING);
         let interior = disc::survey(scene, &g, limits[1] + footprint);

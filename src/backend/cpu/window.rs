@@ -16,6 +16,8 @@ pub(super) struct Window {
     front: Vec3,
     tangents: [Vec3; 2],
     plane_max: f32,
+    /// Jotons are near the plane where the plane of their own surface is near the centre: all of a flat face is, or nothing.
+    by_own_plane: bool,
     /// Likewise for area points of the opposite orientation.
     sheet_max: f32,
     /// Walls: normals, and offsets from the centre.
@@ -37,6 +39,7 @@ impl Window {
             front: if g.front { g.ng } else { -g.ng },
             tangents: [t0, t1],
             plane_max: GATHER_PLANE_SHARE * radius,
+            by_own_plane: false,
             sheet_max: GATHER_SHEET_SHARE * radius,
             walls: None,
         }
@@ -45,6 +48,12 @@ impl Window {
     /// The part of it before walls: their normals, and offsets from the centre; all of it where there are none.
     pub(super) fn before(mut self, walls: Option<[(Vec3, f32); 2]>) -> Self {
         self.walls = walls;
+        self
+    }
+
+    /// For a disc that is measured face by face.
+    pub(super) fn by_own_plane(mut self) -> Self {
+        self.by_own_plane = true;
         self
     }
 
@@ -80,8 +89,12 @@ impl Window {
     /// Which of four jotons count, and their offsets.
     #[inline(always)]
     pub(super) fn accept(&self, four: &Four) -> (BVec4A, [Vec4; 3]) {
-        let (near, d, height) = self.near(four);
+        let (near, d, mut height) = self.near(four);
         let facing = dot(&four.normal, self.normal).cmpgt(Vec4::splat(GATHER_NORMAL_COS));
+        if self.by_own_plane {
+            let [x, y, z] = four.normal;
+            height = (d[0] * x + d[1] * y + d[2] * z).abs();
+        }
         (near & height.cmplt(Vec4::splat(self.plane_max)) & facing, d)
     }
 

@@ -136,12 +136,16 @@ impl GpuBackend {
         let pass = self.pass_info(PILOT_PASS, strip);
         let info = self.map_info(MapKind::Caustic, 0, PILOT_PASS);
         let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
-        let Some(PassGraph { eye, pilot: Some([count, radius]), .. }) = &self.steps else { return Ok(()) };
+        let Some(PassGraph { eye, pilot: Some([count, radius]), caustic_disc: Some(disc), .. }) = &self.steps
+        else {
+            return Ok(());
+        };
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         let at = [("pass_info", recorder.ring.push(&pass)), ("map_info", recorder.ring.push(&info))];
         recorder.dispatch_tiles(eye, &at, tiles);
         recorder.dispatch(count, &at, pixels);
         recorder.dispatch(radius, &at, pixels);
+        recorder.dispatch_tiles(disc, &at, tiles);
         recorder.submit(&self.context, &self.buffers["ring"]);
         self.context.wait()
     }
@@ -177,7 +181,12 @@ impl GpuBackend {
             .chain(&steps.direct)
             .chain(&steps.indirect)
             .chain(steps.glint.iter().flat_map(|g| [&g.trees, &g.sum]));
-        let maps = steps.maps.iter().map(|(_, gather)| gather).chain(&steps.kernel_correction);
+        let maps = steps
+            .maps
+            .iter()
+            .map(|(_, gather)| gather)
+            .chain(&steps.kernel_correction)
+            .chain(&steps.caustic_disc);
         for step in kernels.chain(maps) {
             recorder.dispatch(step, &at, 1);
         }
@@ -187,10 +196,8 @@ impl GpuBackend {
 
     /// Find the pixels whose discs are cut by edges and by walls, once, with the largest radius.
     fn find_edges(&mut self, strip: Strip) -> Result<()> {
-        let kind = if self.shapes.diffuse.is_some() { MapKind::Diffuse } else { MapKind::Caustic };
         let pass = self.pass_info(PILOT_PASS, strip);
-        let mut info = self.map_info(kind, 0, PILOT_PASS);
-        info.radius = self.plan.diffuse.radius(0) as f32;
+        let info = self.map_info(MapKind::Diffuse, 0, PILOT_PASS);
         let (pixels, tiles) = (self.pixels_of(strip), self.tiles_of(strip));
         let Some(PassGraph { eye, kernel_correction, clip_planes: Some(clip_planes), .. }) = &self.steps
         else {

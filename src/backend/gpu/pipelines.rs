@@ -26,6 +26,7 @@ pub(super) struct Kernels {
     gather: [Option<Kernel>; 2],
     kernel_correction: Option<Kernel>,
     clip_planes: Option<Kernel>,
+    caustic_disc: Option<Kernel>,
     caustic_count: Option<Kernel>,
     caustic_radius: Option<Kernel>,
     map: Option<MapKernels>,
@@ -101,10 +102,11 @@ impl Kernels {
                 let overrides = [("SPECULAR_BODIES", flag(plan.has_specular_bodies()))];
                 Kernel::new(context, "passes/kernel_correction.wgsl", "main", &overrides)
             })?,
-            clip_planes: optional(caustic || diffuse, &|| {
+            clip_planes: optional(diffuse, &|| compile("passes/clip_planes.wgsl"))?,
+            caustic_disc: optional(caustic, &|| {
                 let mut overrides = features.to_vec();
-                overrides.push(("HAS_EDGES", flag(diffuse)));
-                Kernel::new(context, "passes/clip_planes.wgsl", "main", &overrides)
+                overrides.push(("RADIUS_FOOTPRINTS", f64::from(CAUSTIC_FOOTPRINTS[1])));
+                Kernel::new(context, "passes/caustic_disc.wgsl", "main", &overrides)
             })?,
             caustic_count: optional(caustic, &|| {
                 Kernel::new(context, "passes/caustic_count.wgsl", "main", &pilot)
@@ -126,6 +128,7 @@ impl Kernels {
         all.push(&self.eye);
         all.extend(&self.caustic_count);
         all.extend(&self.caustic_radius);
+        all.extend(&self.caustic_disc);
         all.extend(&self.kernel_correction);
         all.extend(&self.clip_planes);
         all.extend(&self.direct);
@@ -156,6 +159,7 @@ pub(super) struct PassGraph {
     pub(super) indirect: Option<BoundKernel>,
     pub(super) kernel_correction: Option<BoundKernel>,
     pub(super) clip_planes: Option<BoundKernel>,
+    pub(super) caustic_disc: Option<BoundKernel>,
     pub(super) maps: Vec<(Map, BoundKernel)>,
     pub(super) pilot: Option<[BoundKernel; 2]>,
 }
@@ -175,15 +179,13 @@ impl PassGraph {
         // where both maps are kept, the caustic one has a place of its own
         let sorted = |kind| if apart && kind == MapKind::Caustic { SORTED_APART } else { SORTED };
         let mut maps = Vec::new();
-        for (kind, film, fits) in
-            [(MapKind::Caustic, "film_caustic", "radii"), (MapKind::Diffuse, "film_diffuse", "fits")]
-        {
+        for (kind, film) in [(MapKind::Caustic, "film_caustic"), (MapKind::Diffuse, "film_diffuse")] {
             let i = kind as usize;
             if let (Some(shape), Some(trace), Some(gather), Some(map)) =
                 (shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
             {
                 let sorted = sorted(kind);
-                let names = [&sorted[..], &[("film", film), ("fits", fits)]].concat();
+                let names = [&sorted[..], &[("film", film)]].concat();
                 let gather = gather.bind(context, buffers, &names)?;
                 maps.push((Map::new(context, kind, shape, trace, map, &sorted, buffers)?, gather));
             }
@@ -223,6 +225,7 @@ impl PassGraph {
             )?,
             kernel_correction: optional(&kernels.kernel_correction, &[])?,
             clip_planes: optional(&kernels.clip_planes, &[])?,
+            caustic_disc: optional(&kernels.caustic_disc, &sorted(MapKind::Caustic))?,
             maps,
             pilot,
         })
@@ -274,8 +277,9 @@ impl PassGraph {
         at: Offsets<'_>,
         tiles: u32,
     ) {
-        if let (MapKind::Diffuse, Some(kernel_correction)) = (kind, &self.kernel_correction) {
-            recorder.dispatch_tiles(kernel_correction, at, tiles);
+        let measure = if kind == MapKind::Caustic { &self.caustic_disc } else { &self.kernel_correction };
+        if let Some(measure) = measure {
+            recorder.dispatch_tiles(measure, at, tiles);
         }
         recorder.dispatch_tiles(gather, at, tiles);
     }
