@@ -1,7 +1,7 @@
 // Caustic disc: what the disc of the caustic map holds of the surface of each gather point, where something ends it [E31]. The
 // pilot finds about which gather points the surface is whole and flat; discs that lie there, or hold no jotons, are not measured.
 // reads  tiles, map_info, gather_points, scene, bucket_starts, radii (.x: base radius)
-// writes  discs; radii (.yzw: normal of the interior), interiors (pilot); status
+// writes  fits (.x: one over the area, .w: radius), walls; radii (.yzw: normal of the interior), interiors (pilot); status
 // import: camera/strip.wgsl
 // import: camera/live.wgsl
 // import: sampling/sampling.wgsl
@@ -11,15 +11,14 @@
 
 override RADIUS_FOOTPRINTS: f32 = 4.0;
 
-const NO_WALL_OFFSET: f32 = -1e30;
-
 @group(1) @binding(0) var<uniform> map_info: MapInfo;
 @group(1) @binding(1) var<storage, read> gather_points: array<GatherPoint>;
 @group(1) @binding(2) var<storage, read> bucket_starts: array<u32>;
 @group(1) @binding(3) var<storage, read_write> radii: array<Fit>;
 @group(1) @binding(4) var<storage, read_write> interiors: array<vec4<f32>>;
-@group(1) @binding(5) var<storage, read_write> discs: array<Disc>;
-@group(1) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
+@group(1) @binding(5) var<storage, read_write> fits: array<Fit>;
+@group(1) @binding(6) var<storage, read_write> walls: array<Clip>;
+@group(1) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
 
 // Jotons may lie within the radius.
 fn has_jotons(p: vec3<f32>, radius: f32) -> bool {
@@ -32,25 +31,6 @@ fn has_jotons(p: vec3<f32>, radius: f32) -> bool {
         found = found || bucket_starts[buckets.x] < bucket_starts[buckets.y];
     }
     return found;
-}
-
-fn encoded_disc(disc: TrueDisc) -> Disc {
-    let first = encoded_wall(disc.first);
-    let second = encoded_wall(disc.second);
-    return Disc(first.normal, first.offset, second.normal, second.offset, disc.radius, disc.area, 0u, 0u);
-}
-
-struct EncodedWall {
-    normal: u32,
-    offset: f32,
-}
-
-// All of the disc lies before a wall that is none.
-fn encoded_wall(plane: vec4<f32>) -> EncodedWall {
-    if all(plane.xyz == vec3(0.0)) {
-        return EncodedWall(encode_direction(vec3(0.0, 0.0, 1.0)), NO_WALL_OFFSET);
-    }
-    return EncodedWall(encode_direction(plane.xyz), plane.w);
 }
 
 // The whole disc lies in the surface that the pilot found to be whole.
@@ -87,7 +67,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         interiors[at] = vec4(point.position, disc.radius);
         radii[at].c = vec4(radii[at].c.x, normal);
     } else {
-        discs[at] = encoded_disc(disc);
+        fits[at] = Fit(vec4(1.0 / disc.area, 0.0, 0.0, disc.radius));
+        walls[at] = Clip(disc.first, disc.second);
     }
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);

@@ -1,7 +1,7 @@
 // Gather: estimate the radiance leaving each gather point toward the eye from the jotons near it.
 // L = Σ f_r(wi, wo) Φ K, K = 1/(π r²) or the corrected kernel's weights [E15]; no cosine, it is in Φ already.  [E7] Jensen 1996
 // Two variants: the caustic map (true discs [E31]) and the diffuse map (its kernel corrected at edges and walls).
-// reads  tiles, map_info, path_filter, gather_points, scene, sorted_jotons, bucket_starts; discs (caustic); fits, clips (diffuse)
+// reads  tiles, map_info, path_filter, gather_points, scene, sorted_jotons, bucket_starts, fits, clips
 // writes  film, status
 // import: scene/features.wgsl
 // import: scene/scene.wgsl
@@ -22,13 +22,12 @@ override CAUSTIC: bool = false;
 @group(1) @binding(2) var<storage, read> gather_points: array<GatherPoint>;
 @group(1) @binding(3) var<storage, read> sorted_jotons: array<Joton>;
 @group(1) @binding(4) var<storage, read> bucket_starts: array<u32>;
-// Diffuse map: weights of the fit.
+// Diffuse map: weights of the fit; caustic map: one over the disc's area in .x, its radius in .w.
 @group(1) @binding(5) var<storage, read> fits: array<Fit>;
 @group(1) @binding(6) var<storage, read_write> film: array<vec4<f32>>;
 @group(1) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+// Diffuse map: walls about each pixel's gather point of the pilot; caustic map: those of each disc, as seen from its middle.
 @group(1) @binding(8) var<storage, read> clips: array<Clip>;
-// Caustic map: what is left of each disc.
-@group(1) @binding(9) var<storage, read> discs: array<Disc>;
 
 // A wall as seen from the disc's middle: unit normal, and how far along it the wall lies.
 fn wall_about(plane: vec4<f32>, p: vec3<f32>) -> vec4<f32> {
@@ -50,8 +49,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let at = select(0u, held(pixel), pixel != NO_PIXEL);
     let point = gather_points[at];
     let is_here = pixel != NO_PIXEL && max_band(point.throughput) > 0.0;
-    var fit = vec4(0.0);
-    var r = map_info.radius;
+    let fit = fits[at].c;
     let m = material_of_point(point);
     let varies = does_vary(m);
     let chain = chain_of(point);
@@ -59,21 +57,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let shading = decode_direction(point.shading_normal);
     let wo = decode_direction(point.wo);
     let frame = basis(normal);
-    var first_wall = vec4(0.0);
-    var second_wall = vec4(0.0);
-    if CAUSTIC {
-        let disc = discs[at];
-        r = disc.radius;
-        fit.x = 1.0 / disc.area;
-        first_wall = vec4(decode_direction(disc.first_normal), disc.first_offset);
-        second_wall = vec4(decode_direction(disc.second_normal), disc.second_offset);
-    } else {
-        fit = fits[at].c;
-        if is_here {
-            let walls = walls_about(pixel, point.position, normal, r);
-            first_wall = wall_about(walls.planes[0], point.position);
-            second_wall = wall_about(walls.planes[1], point.position);
-        }
+    let r = select(map_info.radius, fit.w, CAUSTIC);
+    var first_wall = clips[at].first;
+    var second_wall = clips[at].second;
+    if !CAUSTIC && is_here {
+        let walls = walls_about(pixel, point.position, normal, r);
+        first_wall = wall_about(walls.planes[0], point.position);
+        second_wall = wall_about(walls.planes[1], point.position);
     }
     let slope = (fit.y * frame[0] + fit.z * frame[1]) / r;
     let r2 = r * r;

@@ -216,43 +216,21 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Weights of the local linear fit: a joton at (x, y) counts c.x + c.y x + c.z y.
+    /// What jotons count for in a disc: one at (x, y) counts c.x + c.y x + c.z y.
     pub struct Fit {
-        /// The weights, per area; x and y in the tangent frame in units of the radius.
+        /// The weights, per area; x and y in the tangent frame in units of the radius. In `w` the radius of a caustic disc.
         pub c: Vec4,
     }
 }
 
 gpu_struct! {
-    /// Planes of walls that cut the disc of a pixel's gather point: unit normal, and its product with a point of the plane;
-    /// zeros where there is none.
+    /// Planes of walls that cut the disc of a pixel's gather point: unit normal, and its product with a point of the plane, which
+    /// counts from the disc's middle in a caustic disc; zeros where there is none.
     pub struct Clip {
         /// The nearest.
         pub first: Vec4,
         /// The next.
         pub second: Vec4,
-    }
-}
-
-gpu_struct! {
-    /// What the disc of the caustic map holds of the surface of a pixel's gather point; 32 bytes.
-    pub struct Disc {
-        /// Unit normal of the nearest wall, octahedral, turned so that the disc's middle lies before the wall.
-        pub first_normal: u32,
-        /// How far along it the wall lies from the middle: at most 0; very far below where there is none.
-        pub first_offset: f32,
-        /// The same of the next wall.
-        pub second_normal: u32,
-        /// See above.
-        pub second_offset: f32,
-        /// The radius, internal units.
-        pub radius: f32,
-        /// Area of the surface in it before the walls, internal units².
-        pub area: f32,
-        /// Nothing.
-        pub pad0: u32,
-        /// Nothing.
-        pub pad1: u32,
     }
 }
 

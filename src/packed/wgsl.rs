@@ -22,7 +22,6 @@ pub fn declarations() -> String {
         AreaPoint::WGSL,
         Fit::WGSL,
         Clip::WGSL,
-        Disc::WGSL,
         PathFilter::WGSL,
         PackedTriangle::WGSL,
         PackedMaterial::WGSL,

@@ -12,7 +12,7 @@ use crate::film::{LAYERS, Layer, host_bytes};
 use crate::packed::accel::Node;
 use crate::packed::constants::{SMALL_WORDS, TILE, TILES_VECTORS};
 use crate::packed::layout::{
-    AreaPoint, Clip, Disc, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, status,
+    AreaPoint, Clip, Fit, GatherPoint, Joton, LaneTally, PathFilter, PathState, status,
 };
 use crate::packed::{
     HEAP_WORD, HeapCounts, HeapLayout, MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedMaterial, PackedScene,
@@ -415,20 +415,18 @@ fn pixel_buffers(plan: &Plan, pixels: u64) -> Vec<Buffer> {
     let emission = plan.traces(Layer::Emission);
     let fit = size_of::<Fit>() as u64;
     // kernels that can do without still have a binding for it
-    let edges = if diffuse { pixels } else { 1 };
-    let fits = if diffuse || emission { pixels.max(TREES_MAX.into()) } else { 1 };
-    let clips = edges * size_of::<Clip>() as u64;
-    let discs = if caustic { pixels } else { 1 } * size_of::<Disc>() as u64;
+    let edges = if diffuse { pixels } else { 0 };
+    let clip = size_of::<Clip>() as u64;
     let trees = SplitPaths::most(pixels).max(TREES_MAX.into());
     let all = [
         (true, "gather_points", pixels * size_of::<GatherPoint>() as u64, "where camera paths end"),
-        (true, "fits", fits * fit, "what trees see, weights of discs"),
+        (true, "fits", pixels.max(TREES_MAX.into()) * fit, "what trees see, weights of discs"),
         (caustic || emission, "radii", pixels * fit, "radius of the caustic map, what the pilot's trees see"),
         (caustic, "counts", pixels * WORD, "jotons that the pilot found"),
         (emission, "glints", trees * WORD, "trees that look for emission"),
         (caustic || diffuse, "edges", edges * WORD, "whether a disc is whole"),
-        (caustic || diffuse, "clips", clips, "walls about a disc"),
-        (caustic || diffuse, "discs", discs, "what is left of a caustic disc"),
+        (diffuse, "clips", pixels * clip, "walls about a disc"),
+        (caustic, "walls", pixels * clip, "walls about a caustic disc"),
         (caustic, "interiors", pixels * INTERIOR, "where a caustic disc is whole"),
     ];
     let needed = all.into_iter().filter(|(is_needed, ..)| *is_needed);

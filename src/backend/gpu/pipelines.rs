@@ -179,13 +179,15 @@ impl PassGraph {
         // where both maps are kept, the caustic one has a place of its own
         let sorted = |kind| if apart && kind == MapKind::Caustic { SORTED_APART } else { SORTED };
         let mut maps = Vec::new();
-        for (kind, film) in [(MapKind::Caustic, "film_caustic"), (MapKind::Diffuse, "film_diffuse")] {
+        for (kind, film, clips) in
+            [(MapKind::Caustic, "film_caustic", "walls"), (MapKind::Diffuse, "film_diffuse", "clips")]
+        {
             let i = kind as usize;
             if let (Some(shape), Some(trace), Some(gather), Some(map)) =
                 (shapes.of(kind), &kernels.trace[i], &kernels.gather[i], &kernels.map)
             {
                 let sorted = sorted(kind);
-                let names = [&sorted[..], &[("film", film)]].concat();
+                let names = [&sorted[..], &[("film", film), ("clips", clips)]].concat();
                 let gather = gather.bind(context, buffers, &names)?;
                 maps.push((Map::new(context, kind, shape, trace, map, &sorted, buffers)?, gather));
             }
