@@ -20,8 +20,8 @@ pub struct Place {
     pub footprint: f32,
     /// Whether jotons are weighed by a glossy lobe there.
     pub is_glossy: bool,
-    /// Whether the disc of the diffuse map has to be measured: something is cut off it or stands in it, or it is seen through
-    /// something specular.
+    /// Whether the disc of the diffuse map has to be measured, or else that of the caustic map: something is cut off it or stands in it,
+    /// or it is seen through something specular.
     pub is_cut: bool,
 }
 

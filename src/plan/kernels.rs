@@ -65,6 +65,10 @@ const DIRECT: f64 = 175.0;
 const EMISSION: f64 = 60.0;
 /// Nanoseconds of a gather point: its row of cells, its walls.
 const GATHER: f64 = 200.0;
+/// Nanoseconds of a disc whose area is measured.
+const DISC: f64 = 1500.0;
+/// Bytes of what is known and found of a caustic disc: radius, interior, area, walls.
+const DISC_BYTES: f64 = 80.0;
 /// Nanoseconds of a byte.
 const BYTE: f64 = 0.12;
 /// Nanoseconds of a dispatch.
@@ -214,7 +218,7 @@ impl BufferPlan<'_> {
             bytes: size_of::<GatherPoint>() as f64 + FILM,
             rest: INVOCATION
                 + (paths.rays + looks) * 0.5 * DIRECT
-                + gathers * GATHER
+                + gathers * (GATHER + DISC)
                 + traffic.mean_of_indirect_places(glossy) * TEST_GLOSSY,
         };
         list.add_scattered("indirect", None, &pixels, work);
@@ -257,6 +261,14 @@ impl BufferPlan<'_> {
         };
         let gather = work(over_places(&tests), over_places(&|place| glossy(place, tests(place))));
         if kind == MapKind::Caustic {
+            let is_measured = |place: &Place| {
+                let has_jotons =
+                    jotons.tests(place.position, caustic_radius(self.plan, place, &jotons)) > 0.0;
+                if place.is_cut && has_jotons { 1.0 } else { 0.0 }
+            };
+            let rest = INVOCATION + over_places(&is_measured) * DISC;
+            let measure = Work { bytes: point + DISC_BYTES, rest, ..Work::default() };
+            list.add("caustic_disc", map, &pixels, measure);
             list.add("gather", map, &pixels, gather);
             return;
         }

@@ -2,7 +2,7 @@
 //! stored, by tracing a few thousand on the host. It changes nothing in the image: costs and sizes are estimated by it.
 
 use super::Plan;
-use super::discs::{Place, is_cut};
+use super::discs::{Place, caustic_radius_most, is_cut};
 use crate::estimators::maps::MapKind;
 use crate::optics::lights::le;
 use crate::optics::lights::pick::{aimed, by_law, sample_light};
@@ -208,13 +208,18 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         if way == SCATTERED && path != Path::Diffuse {
             if path == Path::Camera {
                 found.mean.stored += 1.0;
-                let radius = plan.diffuse.radius(0) as f32;
-                found.place = Some(Place {
+                let mut place = Place {
                     position: s.position,
                     footprint: length * scene.pixel_angle(),
                     is_glossy: probabilities.bsdf.scatter.varies(),
-                    is_cut: event > 0 || plan.has_map(MapKind::Diffuse) && is_cut(scene, &s, radius),
-                });
+                    is_cut: event > 0,
+                };
+                if plan.has_map(MapKind::Diffuse) {
+                    place.is_cut |= is_cut(scene, &s, plan.diffuse.radius(0) as f32);
+                } else if plan.has_map(MapKind::Caustic) {
+                    place.is_cut |= is_cut(scene, &s, caustic_radius_most(plan, &place));
+                }
+                found.place = Some(place);
                 found.shadow = shadow(scene, plan, &s, &probabilities.bsdf, [u0, u1, u_lobe]);
                 if plan.has_indirect_paths() {
                     let from = (s, probabilities.bsdf);
