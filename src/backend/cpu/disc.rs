@@ -107,6 +107,9 @@ impl Polygon {
     }
 }
 
+/// An edge that is shorter than this, in radii, says nothing about where the circle lies.
+const SHORT: f32 = 0.01;
+
 /// Area of a convex polygon's part in a circle about the origin.
 fn area_in_circle(corners: &[Vec2], radius_squared: f32) -> f32 {
     let before = |i: usize| corners[(i + corners.len() - 1) % corners.len()];
@@ -115,15 +118,16 @@ fn area_in_circle(corners: &[Vec2], radius_squared: f32) -> f32 {
     if twice_area == 0.0 {
         return 0.0;
     }
-    // how far the origin lies inside of the edges, at least
+    // how far the origin lies inside of the edges, at least; very short ones have no direction
     let inside = edges()
+        .filter(|[from, to]| (*to - *from).length_squared() > SHORT * SHORT * radius_squared)
         .map(|[from, to]| from.perp_dot((to - from).normalize_or_zero()))
         .fold(f32::INFINITY, |least, distance| least.min(distance.copysign(distance * twice_area)));
-    if inside > 0.0 && inside * inside >= radius_squared {
-        return PI * radius_squared;
-    }
     if inside < 0.0 && inside * inside >= radius_squared {
         return 0.0;
+    }
+    if inside > 0.0 && inside < f32::INFINITY && inside * inside >= radius_squared {
+        return PI * radius_squared;
     }
     if corners.iter().all(|c| c.length_squared() <= radius_squared) {
         return 0.5 * twice_area.abs();
