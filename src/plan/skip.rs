@@ -80,7 +80,7 @@ pub enum Reason {
     NothingTouches,
     /// The user wants all paths.
     AllPathsWanted,
-    /// Jotons are as useful one way as another.
+    /// No way was found to be of more use to jotons than another.
     NothingLearned,
     /// The only light is a point or a direction.
     OneDirection,
@@ -217,7 +217,7 @@ impl Reason {
             Reason::AllLightsAreSurfaces => "every light is a surface",
             Reason::NothingTouches => "no two faces lie in one place",
             Reason::AllPathsWanted => "all light paths are wanted",
-            Reason::NothingLearned => "jotons are as useful one way as another",
+            Reason::NothingLearned => "no way was found to be of more use to jotons than another",
             Reason::OneDirection => "the only light is a point or a direction",
             Reason::FaintAmongStrong => {
                 "of a few light samples one, picked by what each may give, gets a ray"

@@ -29,6 +29,13 @@ pub(super) fn warp(hits: &[Hit], worth: f64) -> Option<(Warp, f64)> {
     (part < worth).then(|| (Warp::new(&density), part))
 }
 
+/// A warp toward the bins of these places of a square, each with one over the density by which it was drawn; none without places.
+pub(super) fn guessed(places: impl Iterator<Item = ([f32; 2], f64)>) -> Option<Warp> {
+    let mut bins = vec![0.0; WARP_BINS * WARP_BINS];
+    places.for_each(|(place, weight)| bins[bin(place)] += weight);
+    bins.iter().any(|b| *b > 0.0).then(|| Warp::new(&density(&smoothed(&bins, 1), EVEN[1])))
+}
+
 /// Bin of a place in the square.
 fn bin(towards: [f32; 2]) -> usize {
     let [row, column] = towards.map(|x| (x * WARP_BINS as f32) as usize);

@@ -22,7 +22,8 @@ use crate::plan::guiding::visible_points::{CHAIN, VisiblePoints, step};
 use crate::sampling::rng::purpose::{DIMENSION_LEARN, STREAM_LEARN_DIRECTION, STREAM_LEARN_PLACE};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
 use crate::spectrum::sum;
-use density::warp;
+use density::{guessed, warp};
+use glam::Vec3;
 use lamp::{Lamp, lamps};
 use rayon::prelude::*;
 
@@ -44,6 +45,10 @@ const AGAIN: f64 = 0.25;
 const WORTH: [f64; 2] = [0.9, 0.6];
 /// Useful jotons that a warp is learned from, at least.
 const HITS: usize = 64;
+/// Times that the way to where the camera looks is sought, at most.
+const APPROACHES: u32 = 8;
+/// Doublings of where the camera looks up to which jotons tell the way there.
+const DOUBLINGS_MOST: u32 = 12;
 /// Events after which a diffuse joton is not followed any further.
 const EVENTS: u32 = 8;
 
@@ -59,13 +64,24 @@ struct Hit {
     moment: f64,
 }
 
+/// A joton that a map would store, whether the camera looks there or not.
+struct Stored {
+    /// Where on the square of directions it started, and one over the density of starting there.
+    towards: [f32; 2],
+    weight: f64,
+    position: Vec3,
+    /// Geometric normal.
+    normal: Vec3,
+}
+
 /// A lamp and what its jotons have found.
 struct Traced {
     lamp: Lamp,
+    /// By which its directions are drawn, where even ones have found too little.
+    guess: Option<Warp>,
     /// Jotons traced.
     count: u32,
-    /// Jotons that a map would store, whether the camera looks there or not.
-    stored: usize,
+    stored: Vec<Stored>,
     hits: Vec<Hit>,
 }
 
@@ -84,7 +100,7 @@ pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &VisiblePoints, kind:
     let worth = WORTH[kind as usize];
     let mut traced: Vec<Traced> = lamps(&scene.emitters)
         .into_iter()
-        .map(|lamp| Traced { lamp, count: 0, stored: 0, hits: Vec::new() })
+        .map(|lamp| Traced { lamp, guess: None, count: 0, stored: Vec::new(), hits: Vec::new() })
         .collect();
     let total: f64 = traced.iter().map(|t| t.lamp.flux()).sum();
     let even = 1.0 / traced.len() as f64;
@@ -93,11 +109,13 @@ pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &VisiblePoints, kind:
         trace(scene, [seed, kind as u32], seen, traced, shares, count);
     };
     round(&mut traced, &first, ROUNDS[0]);
+    approach(seen, &mut traced, |traced| round(traced, &first, ROUNDS[0]));
     let found: f64 = traced.iter().map(|t| t.moment().sqrt()).sum();
     // one light that serves well already needs no more
     let settled = |t: &Traced| t.hits.len() >= HITS && warp(&t.hits, worth).is_none();
     if found <= 0.0 || traced.len() == 1 && settled(&traced[0]) {
-        return Learned { guide: Guide::default(), in_view: in_view(&traced, |i| traced[i].lamp.flux()) };
+        let in_view = in_view(&traced, |i| traced[i].lamp.flux());
+        return Learned { guide: Guide::default(), in_view };
     }
     let second: Vec<f64> = traced
         .iter()
@@ -105,7 +123,40 @@ pub(super) fn jotons(scene: &PackedScene, seed: u32, seen: &VisiblePoints, kind:
         .map(|(t, f)| AGAIN * f + (1.0 - AGAIN) * t.moment().sqrt() / found)
         .collect();
     round(&mut traced, &second, ROUNDS[1]);
-    steer(scene, &traced, total, worth)
+    let (guide, in_view) = steer(scene, &traced, total, worth);
+    Learned { guide, in_view }
+}
+
+fn hits_of(traced: &[Traced]) -> usize {
+    traced.iter().map(|t| t.hits.len()).sum()
+}
+
+/// Where next to no joton comes where the camera looks, a close-up in a large scene: draw directions by the jotons that came nearest to
+/// it, ever nearer, until enough are there. `round` traces anew.
+fn approach(seen: &VisiblePoints, traced: &mut Vec<Traced>, mut round: impl FnMut(&mut Vec<Traced>)) {
+    let mut doublings = DOUBLINGS_MOST + 1;
+    for _ in 0..APPROACHES {
+        let found = hits_of(traced);
+        if found >= HITS {
+            return;
+        }
+        // the narrowest surroundings in which enough jotons were stored; where no narrower ones hold as many, the few that are there
+        let narrower = (0..doublings).map(|d| (d, seen.widened(d))).find(|(_, cells)| {
+            let is_near = |s: &&Stored| cells.width(s.position, s.normal).is_some();
+            traced.iter().flat_map(|t| &t.stored).filter(is_near).take(HITS).count() == HITS
+        });
+        if narrower.is_none() && found == 0 {
+            return;
+        }
+        let (nearer, cells) = narrower.unwrap_or_else(|| (0, seen.widened(0)));
+        doublings = nearer;
+        for t in traced.iter_mut() {
+            let near = t.stored.iter().filter(|s| cells.width(s.position, s.normal).is_some());
+            t.guess = guessed(near.map(|s| (s.towards, s.weight)));
+            (t.count, t.stored, t.hits) = (0, Vec::new(), Vec::new());
+        }
+        round(traced);
+    }
 }
 
 /// Trace about `count` jotons more, shared out among the lamps.
@@ -120,27 +171,29 @@ fn trace(
     traced.par_iter_mut().zip(shares).enumerate().for_each(|(i, (t, share))| {
         let more = (share * f64::from(count)).ceil() as u32;
         let numbers = (t.count..t.count + more).into_par_iter();
-        let found: Vec<(usize, Vec<Hit>)> =
-            numbers.map(|n| hits(scene, seed, seen, &t.lamp, [i as u32, n])).collect();
+        let found: Vec<(Vec<Stored>, Vec<Hit>)> =
+            numbers.map(|n| hits(scene, seed, seen, t, [i as u32, n])).collect();
         for (stored, hits) in found {
-            t.stored += stored;
+            t.stored.extend(stored);
             t.hits.extend(hits);
         }
         t.count += more;
     });
 }
 
-/// How often joton `number` of lamp number `index` is stored, and what it leaves where it is of use.
+/// Where joton `number` of lamp number `index` is stored, and what it leaves where it is of use.
 fn hits(
     scene: &PackedScene,
     [seed, kind]: [u32; 2],
     seen: &VisiblePoints,
-    lamp: &Lamp,
+    traced: &Traced,
     [index, number]: [u32; 2],
-) -> (usize, Vec<Hit>) {
+) -> (Vec<Stored>, Vec<Hit>) {
     let draw = |streams: [u32; 2]| sobol2(number, sequence_seed(seed, index, streams[kind as usize]));
     let (place, towards) = (draw(STREAM_LEARN_PLACE), draw(STREAM_LEARN_DIRECTION));
-    let (emitter, rest, pick) = lamp.pick(place[0]);
+    let (towards, density) = traced.guess.as_ref().map_or((towards, 1.0), |guess| guess.place(towards));
+    let weight = 1.0 / f64::from(density);
+    let (emitter, rest, pick) = traced.lamp.pick(place[0]);
     let e = &scene.emitters[emitter];
     let is_caustic = kind == MapKind::Caustic as u32;
     let start = if is_caustic {
@@ -148,19 +201,21 @@ fn hits(
     } else {
         Some(sample_le(e, [rest, place[1]], towards, 1.0 / pick))
     };
-    let Some(Start { origin, direction, mut flux }) = start else { return (0, Vec::new()) };
+    let (mut stored, mut hits) = (Vec::new(), Vec::new());
+    let Some(Start { origin, direction, mut flux }) = start else { return (stored, hits) };
     let mut ray = Ray::new(origin, direction);
-    let mut hits = Vec::new();
-    let (mut scattered, mut stored) = (false, 0);
+    let mut scattered = false;
     for event in 0..if is_caustic { CHAIN } else { EVENTS } {
         let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };
         let stores = (if is_caustic { event > 0 } else { scattered }) && s.flags().has_diffuse();
-        stored += usize::from(stores);
+        if stores {
+            stored.push(Stored { towards, weight, position: s.position, normal: s.ng });
+        }
         if stores && let Some(width) = seen.width(s.position, s.ng) {
             let width = f64::from(width);
             let noise = sum(&flux) / if is_caustic { width * width } else { width };
             // what overflows teaches nothing
-            let moment = Some(noise * noise).filter(|m| m.is_finite());
+            let moment = Some(noise * noise * weight).filter(|m| m.is_finite());
             hits.extend(moment.map(|moment| Hit { number, towards, moment }));
         }
         if is_caustic && !s.flags().has_delta() {
@@ -183,12 +238,12 @@ fn in_view(traced: &[Traced], share: impl Fn(usize) -> f64) -> f64 {
         let each = traced.iter().enumerate();
         each.map(|(i, t)| share(i) * count(t) as f64 / f64::from(t.count.max(1))).sum()
     };
-    let stored = sum(&|t| t.stored);
+    let stored = sum(&|t| t.stored.len());
     if stored > 0.0 { sum(&|t| t.hits.len()) / stored } else { 1.0 }
 }
 
 /// Warps and pick probabilities from what was found, if these are worth it.
-fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> Learned {
+fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> (Guide, f64) {
     let mut strongest: Vec<usize> = (0..traced.len()).filter(|&i| traced[i].hits.len() >= HITS).collect();
     strongest.sort_by(|&a, &b| traced[b].moment().total_cmp(&traced[a].moment()));
     strongest.truncate(MAX_WARPS);
@@ -203,7 +258,7 @@ fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> Lea
     let plain: f64 = traced.iter().map(|t| t.moment().sqrt()).sum();
     let by_flux: f64 = traced.iter().map(|t| t.moment() * total / t.lamp.flux()).sum();
     if found * found >= wanted * by_flux {
-        return Learned { guide: Guide::default(), in_view: in_view(traced, |i| traced[i].lamp.flux()) };
+        return (Guide::default(), in_view(traced, |i| traced[i].lamp.flux()));
     }
     let share = |i: usize| (1.0 - BY_FLUX) * worth[i] / found + BY_FLUX * traced[i].lamp.flux() / total;
     let mut weights = Vec::with_capacity(scene.emitters.len());
@@ -216,5 +271,5 @@ fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> Lea
     let gain = (plain / found).powi(2);
     let warps = learned.into_iter().map(|l| l.1.0).collect();
     let guide = Guide::new(&scene.emitters, &weights, warps, |e| warp_of[e], gain);
-    Learned { guide, in_view: in_view(traced, share) }
+    (guide, in_view(traced, share))
 }

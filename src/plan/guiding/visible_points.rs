@@ -34,14 +34,51 @@ pub(in crate::plan) struct VisiblePoint {
     length: f32,
 }
 
-/// Cells in which gather points lie: level and place, and along which of the six axes surfaces face there.
+/// Where the camera looks.
 pub(in crate::plan) struct VisiblePoints {
-    cells: FxHashMap<[i32; 4], u8>,
-    /// Levels in use; a cell of level k is 2^k internal units wide.
-    levels: Vec<i32>,
+    cells: Cells,
     points: Vec<VisiblePoint>,
     /// Camera paths, that ended somewhere or not.
     paths: usize,
+    /// Distance of camera paths at a distance of one.
+    spacing: f32,
+}
+
+/// Cells in which gather points lie: level and place, and along which of the six axes surfaces face there.
+pub(in crate::plan) struct Cells {
+    cells: FxHashMap<[i32; 4], u8>,
+    /// Levels in use; a cell of level k is 2^k internal units wide.
+    levels: Vec<i32>,
+}
+
+impl Cells {
+    /// Cells that are a few spacings of camera paths wide, doubled so many times, and their neighbours.
+    fn about(points: &[VisiblePoint], spacing: f32, doublings: i32) -> Self {
+        let mut cells: FxHashMap<[i32; 4], u8> = FxHashMap::default();
+        for p in points {
+            let least = (SPACINGS * spacing * p.length).max(f32::MIN_POSITIVE);
+            let level = least.log2().ceil() as i32 + doublings;
+            let half = 0.5 * (level as f32).exp2();
+            // all cells that a cube of one cell's size about the point touches
+            for corner in 0..8u32 {
+                let sign = |bit: u32| if corner >> bit & 1 == 0 { -half } else { half };
+                let at = cell(p.position + Vec3::new(sign(0), sign(1), sign(2)), level);
+                *cells.entry(at).or_default() |= facing(p.geometric);
+            }
+        }
+        let mut levels: Vec<i32> = cells.keys().map(|c| c[0]).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        Self { cells, levels }
+    }
+
+    /// Width of the smallest cell about a place whose gather points face alike; none where there is no cell.
+    pub(in crate::plan) fn width(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        let holds = |&&level: &&i32| {
+            self.cells.get(&cell(position, level)).is_some_and(|bits| bits & facing(normal) != 0)
+        };
+        self.levels.iter().find(holds).map(|&level| (level as f32).exp2())
+    }
 }
 
 /// Bits of the axes that a normal looks along.
@@ -66,26 +103,17 @@ impl VisiblePoints {
         let spacing = scene.pixel_angle() * (scene.pixels() as f32 / paths as f32).sqrt();
         let points: Vec<VisiblePoint> =
             (0..paths as u32).into_par_iter().filter_map(|i| gather_point(scene, seed, i)).collect();
-        let mut cells: FxHashMap<[i32; 4], u8> = FxHashMap::default();
-        for p in &points {
-            let level = (SPACINGS * spacing * p.length).max(f32::MIN_POSITIVE).log2().ceil() as i32;
-            let half = 0.5 * (level as f32).exp2();
-            // all cells that a cube of one cell's size about the point touches
-            for corner in 0..8u32 {
-                let sign = |bit: u32| if corner >> bit & 1 == 0 { -half } else { half };
-                let at = cell(p.position + Vec3::new(sign(0), sign(1), sign(2)), level);
-                *cells.entry(at).or_default() |= facing(p.geometric);
-            }
-        }
-        let mut levels: Vec<i32> = cells.keys().map(|c| c[0]).collect();
-        levels.sort_unstable();
-        levels.dedup();
-        Self { cells, levels, points, paths }
+        Self { cells: Cells::about(&points, spacing, 0), points, paths, spacing }
+    }
+
+    /// Where the camera looks, and what lies about it: as far as cells reach that are doubled so many times.
+    pub(in crate::plan) fn widened(&self, doublings: u32) -> Cells {
+        Cells::about(&self.points, self.spacing, doublings as i32)
     }
 
     /// True where the camera sees nothing diffuse.
     pub(in crate::plan) fn is_empty(&self) -> bool {
-        self.cells.is_empty()
+        self.points.is_empty()
     }
 
     /// Where camera paths ended on diffuse surfaces.
@@ -107,10 +135,7 @@ impl VisiblePoints {
 
     /// Width of the smallest cell about a place whose gather points face alike; none where the camera does not look.
     pub(in crate::plan) fn width(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        let holds = |&&level: &&i32| {
-            self.cells.get(&cell(position, level)).is_some_and(|bits| bits & facing(normal) != 0)
-        };
-        self.levels.iter().find(holds).map(|&level| (level as f32).exp2())
+        self.cells.width(position, normal)
     }
 }
 
