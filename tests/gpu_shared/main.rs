@@ -4,6 +4,7 @@
 mod common;
 
 mod bsdf;
+mod disc;
 mod emit;
 mod emitter;
 mod grid;
