@@ -5,6 +5,7 @@ mod common;
 
 mod bsdf;
 mod disc;
+mod disc_count;
 mod emit;
 mod emitter;
 mod grid;
