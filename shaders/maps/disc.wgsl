@@ -182,14 +182,21 @@ fn whole_disc(radius: f32) -> TrueDisc {
 
 // The disc of this radius over the triangles found.
 fn measured_disc(place: DiscPlace, radius: f32, found: u32) -> TrueDisc {
-    var walls = Standing(no_standing_wall(), no_standing_wall());
-    for (var i = 0u; i < found; i += 1u) {
+    // the nearest wall, then the nearest that does not stand behind it: in whatever order they come
+    var first = no_standing_wall();
+    var second = no_standing_wall();
+    for (var k = 0u; k < 2u * found; k += 1u) {
         steps += 1u;
-        let t = near_triangle(in_ball[i], place.position);
+        let t = near_triangle(in_ball[select(k, k - found, k >= found)], place.position);
         let wall = standing_wall(t.a, t.b, t.c, t.normal, place.normal, radius);
-        walls = with_standing(walls, wall, WALL_SLACK * radius);
+        if k < found && wall.distance < first.distance {
+            first = wall;
+        }
+        if k >= found && wall.distance < second.distance && !is_behind(wall, first, WALL_SLACK * radius) {
+            second = wall;
+        }
     }
-    var disc = TrueDisc(radius, 0.0, walls.first.plane, walls.second.plane);
+    var disc = TrueDisc(radius, 0.0, first.plane, second.plane);
     disc.area = surface_area(place, disc, found);
     return disc;
 }

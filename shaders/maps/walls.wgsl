@@ -10,18 +10,8 @@ struct StandingWall {
     distance: f32,
 }
 
-// The nearest two, the nearer one first; none stands behind the other.
-struct Standing {
-    first: StandingWall,
-    second: StandingWall,
-}
-
 fn no_standing_wall() -> StandingWall {
     return StandingWall(vec4(0.0), vec3(0.0), vec3(0.0), 1e30);
-}
-
-fn is_standing(wall: StandingWall) -> bool {
-    return any(wall.plane.xyz != vec3(0.0));
 }
 
 // Where the edge from a to b goes through a plane at height 0 of both; in .w whether it does.
@@ -60,24 +50,5 @@ fn standing_wall(
 fn is_behind(wall: StandingWall, other: StandingWall, slack: f32) -> bool {
     let a = dot(other.plane.xyz, wall.foot_a) - other.plane.w;
     let b = dot(other.plane.xyz, wall.foot_b) - other.plane.w;
-    return is_standing(other) && a < slack && b < slack;
-}
-
-// With one wall more, if it is among the nearest two.
-fn with_standing(walls: Standing, wall: StandingWall, slack: f32) -> Standing {
-    var w = walls;
-    if !is_standing(wall) {
-        return w;
-    }
-    if wall.distance < w.first.distance {
-        if !is_behind(w.first, wall, slack) && is_standing(w.first) {
-            w.second = w.first;
-        } else if is_behind(w.second, wall, slack) {
-            w.second = no_standing_wall();
-        }
-        w.first = wall;
-    } else if wall.distance < w.second.distance && !is_behind(wall, w.first, slack) {
-        w.second = wall;
-    }
-    return w;
+    return a < slack && b < slack;
 }

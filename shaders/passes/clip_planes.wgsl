@@ -6,6 +6,7 @@
 // import: sampling/sampling.wgsl
 // import: accel/intersect.wgsl
 // import: maps/clip_planes.wgsl
+// import: paths/gather_point.wgsl
 
 @group(1) @binding(0) var<uniform> map_info: MapInfo;
 @group(1) @binding(1) var<storage, read> gather_points: array<GatherPoint>;

@@ -10,6 +10,7 @@ mod caustics;
 mod cie;
 mod contact;
 mod direct;
+mod discs;
 mod estimate;
 mod exchange;
 mod factors;

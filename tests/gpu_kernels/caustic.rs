@@ -67,8 +67,10 @@ fn counts_are_those_of_a_search_over_all() {
         let counted = |slack: f32| {
             let inside = |j: &&joton::packed::layout::Joton| {
                 let d = j.position - p.position;
-                let y = (j.normal_state >> 8) as u8 as i8;
-                d.length() < r + slack && d.y.abs() < 0.2 * r + slack && f32::from(y) / 127.0 > 0.7 - slack
+                let [x, y, z, _] = j.normal_state.to_le_bytes().map(|b| f32::from(b as i8) / 127.0);
+                // near by the plane of the joton's own surface
+                let height = d.dot(Vec3::new(x, y, z)).abs();
+                d.length() < r + slack && height < 0.2 * r + slack && y > 0.7 - slack
             };
             jotons.iter().filter(inside).count() as f32
         };

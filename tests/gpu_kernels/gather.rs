@@ -63,11 +63,12 @@ pub(crate) fn map<'a>(context: &'a Context, jotons: &[Joton], info: &MapInfo) ->
 struct Question<'a> {
     jotons: &'a [Joton],
     points: &'a [GatherPoint],
-    /// Weights (diffuse map) or radii (caustic map) of each point.
+    /// Weights (diffuse map), or one over the area and the radius (caustic map), of each point.
     fits: &'a [Fit],
+    /// Walls of each point, as seen from there; empty where there are none.
+    walls: &'a [Clip],
     caustic: bool,
     paths: &'a str,
-    shrink: f32,
 }
 
 impl Question<'_> {
@@ -88,13 +89,13 @@ impl Question<'_> {
     }
 
     fn ask_variant(&self, context: &Context, variant: Variant) -> (Vec<[f32; 4]>, Vec<u32>) {
-        let mut info = info(self.jotons.len());
-        info.shrink = self.shrink;
+        let info = info(self.jotons.len());
         let mut harness = map(context, self.jotons, &info);
         harness.uniform("path_filter", &path_filter(self.paths));
         harness.scene("materials", &materials());
         harness.storage("gather_points", self.points);
-        harness.storage("clips", &vec![Clip::zeroed(); self.points.len()]);
+        let none = vec![Clip::zeroed(); self.points.len()];
+        harness.storage("clips", if self.walls.is_empty() { &none } else { self.walls });
         harness.storage("fits", self.fits);
         harness.storage("film", &vec![[0.0f32; 4]; self.points.len()]);
         let mut pass = pass_info();
@@ -135,18 +136,18 @@ fn plain() -> Fit {
     Fit { c: glam::Vec4::new(1.0 / (std::f32::consts::PI * RADIUS * RADIUS), 0.0, 0.0, 0.0) }
 }
 
-/// Radius of a caustic gather.
-fn radius(r: f32) -> Fit {
-    Fit { c: glam::Vec4::new(r, 0.0, 0.0, 0.0) }
+/// A disc of the caustic map, of this part of a circle.
+fn disc(radius: f32, part: f32) -> Fit {
+    Fit { c: glam::Vec4::new(1.0 / (part * std::f32::consts::PI * radius * radius), 0.0, 0.0, radius) }
 }
 
 /// Radiance that one joton alone gives one point, both maps, first band.
 fn alone(context: &Context, p: &GatherPoint, j: Joton) -> f64 {
     let ask = |caustic: bool, fit: Fit| {
-        let q = Question { jotons: &[j], points: &[*p], fits: &[fit], caustic, paths: "L.*E", shrink: 1.0 };
+        let q = Question { jotons: &[j], points: &[*p], fits: &[fit], walls: &[], caustic, paths: "L.*E" };
         q.ask(context).0[0]
     };
-    let (diffuse, caustic) = (ask(false, plain()), ask(true, radius(RADIUS)));
+    let (diffuse, caustic) = (ask(false, plain()), ask(true, disc(RADIUS, 1.0)));
     assert!((diffuse[0] - caustic[0]).abs() <= 1e-6 * diffuse[0], "{diffuse:?} {caustic:?}");
     f64::from(diffuse[0])
 }
@@ -202,9 +203,9 @@ fn an_empty_map_is_black() {
         jotons: &[],
         points: &[point(Vec3::ZERO, Vec3::Y, MATTE); 65],
         fits: &[plain(); 65],
+        walls: &[],
         caustic: false,
         paths: "L.*E",
-        shrink: 1.0,
     };
     let (film, status) = q.ask(context);
     assert!(film.iter().all(|l| *l == [0.0; 4]));
@@ -217,7 +218,7 @@ fn search(q: &Question<'_>, i: usize) -> Option<[f64; 3]> {
     let materials = materials();
     let m = &materials[p.surface as usize];
     let n = decode(p.normal);
-    let r = if q.caustic { RADIUS.min(fit.x * q.shrink.sqrt()) } else { RADIUS };
+    let r = if q.caustic { fit.w } else { RADIUS };
     let r64 = f64::from(r);
     let [x, y] = frame(n).map(|v| v.as_dvec3());
     let n = n.as_dvec3();
@@ -227,7 +228,14 @@ fn search(q: &Question<'_>, i: usize) -> Option<[f64; 3]> {
         let b = j.normal_state.to_le_bytes();
         let normal =
             glam::DVec3::new(f64::from(b[0] as i8), f64::from(b[1] as i8), f64::from(b[2] as i8)) / 127.0;
-        let tests = [r64 - d.length(), 0.2 * r64 - d.dot(n).abs(), normal.dot(n) - 0.7];
+        // a caustic disc is measured face by face: the joton's plane is what is near
+        let height = d.dot(if q.caustic { normal } else { n }).abs();
+        let before = |plane: glam::Vec4| {
+            let plane = plane.as_dvec4();
+            if plane.truncate() == glam::DVec3::ZERO { 1.0 } else { d.dot(plane.truncate()) - plane.w }
+        };
+        let [first, second] = q.walls.get(i).map_or([1.0; 2], |w| [w.first, w.second].map(before));
+        let tests = [r64 - d.length(), 0.2 * r64 - height, normal.dot(n) - 0.7, first, second];
         if d.length() < 1.1 * r64 && tests.iter().any(|t| t.abs() < 1e-4) {
             return None;
         }
@@ -235,11 +243,7 @@ fn search(q: &Question<'_>, i: usize) -> Option<[f64; 3]> {
             continue;
         }
         let fit = fit.as_dvec4();
-        let weight = if q.caustic {
-            1.0 / (PI * r64 * r64)
-        } else {
-            fit.x + (fit.y * d.dot(x) + fit.z * d.dot(y)) / r64
-        };
+        let weight = if q.caustic { fit.x } else { fit.x + (fit.y * d.dot(x) + fit.z * d.dot(y)) / r64 };
         let (wi, wo) = (decode(j.wi).as_dvec3(), decode(p.wo).as_dvec3());
         let e = f64::from(m.glossy_exponent);
         let lobe = if p.surface == GLOSSY {
@@ -323,18 +327,38 @@ fn sums_are_those_of_a_search_over_all() {
             Fit { c: glam::Vec4::new(0.05 + 0.1 * a, 0.1 * (b - 0.5), 0.1 * (c - 0.5), 0.0) }
         })
         .collect();
-    let q = Question {
-        jotons: &jotons,
-        points: &points,
-        fits: &fits,
-        caustic: false,
-        paths: "L.*E",
-        shrink: 1.0,
-    };
+    let q =
+        Question { jotons: &jotons, points: &points, fits: &fits, walls: &[], caustic: false, paths: "L.*E" };
     check(context, "diffuse map", &q, 200);
-    let radii: Vec<Fit> = (0..points.len()).map(|i| radius(0.3 + 2.5 * random(57, i)[0])).collect();
-    check(context, "caustic map", &Question { fits: &radii, caustic: true, ..q }, 200);
-    check(context, "caustic map, shrunk", &Question { fits: &radii, caustic: true, shrink: 0.5, ..q }, 200);
+    let discs: Vec<Fit> = (0..points.len())
+        .map(|i| {
+            let [size, part, ..] = random(57, i);
+            disc(0.3 + 1.7 * size, 0.03 + 0.97 * part)
+        })
+        .collect();
+    let open = Question { fits: &discs, caustic: true, ..q };
+    check(context, "caustic map", &open, 200);
+    // of three points one has no wall, one has one, one has two at any angle
+    let walls: Vec<Clip> = (0..points.len())
+        .map(|i| {
+            let [near, far, ..] = random(58, i);
+            let across = |stream: u32| {
+                let normal = walls[i % 3];
+                let [u, v] = frame(normal);
+                let [along, height, turn, _] = random(stream, i);
+                let (sin, cos) = (std::f32::consts::TAU * turn).sin_cos();
+                (u * cos + v * sin + normal * (along - height) * 0.5).normalize()
+            };
+            let wall = |stream: u32, offset: f32| across(stream).extend(-offset * discs[i].c.w);
+            let none = glam::Vec4::ZERO;
+            match i / 3 % 3 {
+                0 => Clip { first: none, second: none },
+                1 => Clip { first: wall(59, near), second: none },
+                _ => Clip { first: wall(59, near), second: wall(64, far) },
+            }
+        })
+        .collect();
+    check(context, "caustic map with walls", &Question { walls: &walls, ..open }, 150);
 }
 
 /// A point exactly at the corner of eight cells meets the jotons of all of them, each once.
@@ -358,9 +382,9 @@ fn corners_of_cells_meet_all_eight() {
             jotons: &jotons,
             points: &points,
             fits: &[plain()],
+            walls: &[],
             caustic: false,
             paths: "L.*E",
-            shrink: 1.0,
         };
         let one = f64::from(REFLECTANCE) / PI / (PI * f64::from(RADIUS).powi(2));
         let got = f64::from(q.ask(context).0[0][0]);
@@ -411,9 +435,9 @@ fn far_cells_in_our_buckets_are_not_ours() {
         jotons: &jotons,
         points: &points,
         fits: &[plain()],
+        walls: &[],
         caustic: false,
         paths: "L.*E",
-        shrink: 1.0,
     };
     check(context, "shared buckets", &q, 1);
 }
@@ -427,9 +451,9 @@ fn jotons_of_one_cell_are_all_summed() {
         jotons: &jotons,
         points: &points,
         fits: &[plain(); 3],
+        walls: &[],
         caustic: false,
         paths: "L.*E",
-        shrink: 1.0,
     };
     check(context, "one cell", &q, 3);
 }
@@ -445,9 +469,9 @@ fn a_cut_loop_is_told() {
         jotons: &jotons,
         points: &points,
         fits: &[plain()],
+        walls: &[],
         caustic: false,
         paths: "L.*E",
-        shrink: 1.0,
     };
     let (film, found) = q.ask(context);
     let one = f64::from(REFLECTANCE) / PI / (PI * f64::from(RADIUS).powi(2));
@@ -480,9 +504,9 @@ fn unwanted_paths_are_left_out() {
             jotons: &[j],
             points: &[p],
             fits: &[plain()],
+            walls: &[],
             caustic: false,
             paths: "LD.?DSE",
-            shrink: 1.0,
         };
         assert_eq!(q.ask(context).0[0][0] > 0.0, counts, "L{events:?}, then {chain} S");
     }

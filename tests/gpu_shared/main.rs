@@ -4,6 +4,8 @@
 mod common;
 
 mod bsdf;
+mod disc;
+mod disc_count;
 mod emit;
 mod emitter;
 mod grid;

@@ -107,9 +107,6 @@ impl Polygon {
     }
 }
 
-/// An edge that is shorter than this, in radii, says nothing about where the circle lies.
-const SHORT: f32 = 0.01;
-
 /// Area of a convex polygon's part in a circle about the origin.
 fn area_in_circle(corners: &[Vec2], radius_squared: f32) -> f32 {
     let before = |i: usize| corners[(i + corners.len() - 1) % corners.len()];
@@ -118,15 +115,12 @@ fn area_in_circle(corners: &[Vec2], radius_squared: f32) -> f32 {
     if twice_area == 0.0 {
         return 0.0;
     }
-    // how far the origin lies inside of the edges, at least; very short ones have no direction
+    // how far the origin lies inside of the edges, at least; rounding may turn very short ones, so that it does not tell where the
+    // origin lies outside
     let inside = edges()
-        .filter(|[from, to]| (*to - *from).length_squared() > SHORT * SHORT * radius_squared)
         .map(|[from, to]| from.perp_dot((to - from).normalize_or_zero()))
         .fold(f32::INFINITY, |least, distance| least.min(distance.copysign(distance * twice_area)));
-    if inside < 0.0 && inside * inside >= radius_squared {
-        return 0.0;
-    }
-    if inside > 0.0 && inside < f32::INFINITY && inside * inside >= radius_squared {
+    if inside > 0.0 && inside * inside >= radius_squared {
         return PI * radius_squared;
     }
     if corners.iter().all(|c| c.length_squared() <= radius_squared) {
@@ -258,31 +252,18 @@ struct Wall {
 impl Wall {
     /// True where this stands wholly behind another wall, or in its plane.
     fn is_behind(&self, other: &Self, slack: f32) -> bool {
-        other.before.is_wall() && self.foot.iter().all(|end| other.before.height(*end) < slack)
+        self.foot.iter().all(|end| other.before.height(*end) < slack)
     }
 }
 
-/// The two walls nearest to the middle, the nearer one first; none stands behind the other.
-fn nearest(walls: impl Iterator<Item = Wall>, slack: f32) -> [HalfSpace; 2] {
-    let mut nearest = [Wall::default(); 2];
-    for wall in walls {
-        let [first, second] = &mut nearest;
-        if !first.before.is_wall() || wall.distance < first.distance {
-            let before = std::mem::replace(first, wall);
-            *second = if !before.is_behind(&wall, slack) {
-                before
-            } else if second.is_behind(&wall, slack) {
-                Wall::default()
-            } else {
-                *second
-            };
-        } else if !wall.is_behind(first, slack)
-            && (!second.before.is_wall() || wall.distance < second.distance)
-        {
-            *second = wall;
-        }
-    }
-    nearest.map(|w| w.before)
+/// The wall nearest to the middle, and the nearest that does not stand behind it: in whatever order they come.
+fn nearest(walls: &[Wall], slack: f32) -> [HalfSpace; 2] {
+    let nearest = |walls: &mut dyn Iterator<Item = &Wall>| {
+        walls.min_by(|a, b| a.distance.total_cmp(&b.distance)).copied().unwrap_or_default()
+    };
+    let first = nearest(&mut walls.iter());
+    let second = nearest(&mut walls.iter().filter(|w| !w.is_behind(&first, slack)));
+    [first.before, second.before]
 }
 
 impl Disc {
@@ -308,7 +289,8 @@ impl Disc {
     }
 
     fn of(near: &[Near], g: &GatherPoint, radius: f32, has_contacts: bool) -> Self {
-        let walls = nearest(near.iter().filter_map(|t| t.wall(g.ng, radius)), WALL_SLACK * radius);
+        let standing: Vec<Wall> = near.iter().filter_map(|t| t.wall(g.ng, radius)).collect();
+        let walls = nearest(&standing, WALL_SLACK * radius);
         let parts = || near.iter().filter_map(|t| Some((t, t.surface(g, &walls, radius)?)));
         let mut area: f32 = parts().map(|(t, part)| part.area_in_ball(t.normal, radius)).sum();
         if has_contacts {
@@ -360,5 +342,93 @@ impl Near {
             let inward = self.normal.cross(b - a);
             part.clipped(&HalfSpace { normal: inward, offset: inward.dot(a) })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Area within a circle of radius 2 about the origin, in every order and winding of the corners.
+    fn assert_area(what: &str, corners: &[[f64; 2]], want: f64) {
+        let count = corners.len();
+        for first in 0..count {
+            for is_turned in [false, true] {
+                let corner = |i: usize| corners[(first + if is_turned { count - i } else { i }) % count];
+                let flat: Vec<Vec2> =
+                    (0..count).map(|i| corner(i).map(|x| x as f32)).map(Vec2::from).collect();
+                let got = f64::from(area_in_circle(&flat, 4.0));
+                assert!(
+                    (got - want).abs() < 4e-6 * 4.0 * PI,
+                    "{what} from corner {first}: {got}, not {want}"
+                );
+            }
+        }
+    }
+
+    /// Area between a chord at this distance of the middle and the arc beyond, radius 2.
+    fn segment(distance: f64) -> f64 {
+        4.0 * (distance / 2.0).acos() - distance * (4.0 - distance * distance).sqrt()
+    }
+
+    #[test]
+    fn polygons_have_their_area_in_a_circle() {
+        let far = 50.0;
+        let rectangle = |x: [f64; 2], y: [f64; 2]| [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+        assert_area("whole", &rectangle([-far, far], [-far, far]), 4.0 * PI);
+        assert_area("whole, of a triangle", &[[-far, -9.0], [far, -9.0], [1.0, far]], 4.0 * PI);
+        assert_area("half", &rectangle([0.0, far], [-far, far]), 2.0 * PI);
+        assert_area("quarter", &rectangle([0.0, far], [0.0, far]), PI);
+        // an angle of 60 degrees at the middle
+        assert_area("sixth", &[[0.0, 0.0], [far, 0.0], [far, far * 3f64.sqrt()]], 4.0 * PI / 6.0);
+        for distance in [0.1, 1.0, 1.9, 1.999] {
+            let name = format!("segment beyond {distance}");
+            assert_area(&name, &rectangle([distance, far], [-far, far]), segment(distance));
+            let name = format!("all but the segment beyond {distance}");
+            assert_area(&name, &rectangle([-far, distance], [-far, far]), 4.0 * PI - segment(distance));
+        }
+        let strip = 4.0 * PI - segment(0.3) - segment(0.5);
+        assert_area("strip", &rectangle([-0.3, 0.5], [-far, far]), strip);
+        assert_area("inside", &rectangle([-0.5, 0.75], [0.25, 1.0]), 1.25 * 0.75);
+        assert_area("inside, beside the middle", &[[1.0, 0.0], [1.5, 0.0], [1.0, 0.5]], 0.125);
+        // corners on the circle
+        assert_area("inscribed square", &[[2.0, 0.0], [0.0, 2.0], [-2.0, 0.0], [0.0, -2.0]], 8.0);
+    }
+
+    #[test]
+    fn polygons_beside_a_circle_have_no_area_in_it() {
+        assert_area("beside", &[[2.5, -9.0], [9.0, 0.0], [2.5, 9.0]], 0.0);
+        // every edge's line but one meets the circle, or none does
+        assert_area("beyond a corner", &[[1.6, 1.6], [9.0, 1.6], [1.6, 9.0]], 0.0);
+        assert_area("round the corner", &[[2.1, 0.0], [90.0, 1.0], [90.0, -1.0]], 0.0);
+        assert_area("far", &[[900.0, 0.0], [901.0, 0.0], [900.0, 1.0]], 0.0);
+    }
+
+    /// Clipping leaves polygons of no area: their long edges pass by the circle, or through it, there and back.
+    #[test]
+    fn polygons_of_no_area_have_none_in_a_circle() {
+        for y in [0.0, 0.5, 2.5] {
+            assert_area("edge, there and back", &[[-90.0, y], [90.0, y], [90.0, y], [-90.0, y]], 0.0);
+            assert_area("edge, by a corner between", &[[-90.0, y], [3.0, y], [90.0, y]], 0.0);
+        }
+        assert_area("point", &[[0.5, 0.5]; 3], 0.0);
+        assert_eq!(area_in_circle(&[], 4.0), 0.0);
+    }
+
+    /// Corners that are there twice change nothing.
+    #[test]
+    fn corners_may_be_there_twice() {
+        let twice = [[0.0, -9.0], [9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [0.0, 9.0], [0.0, 9.0]];
+        assert_area("half, corners twice", &twice, 2.0 * PI);
+        let beside = [[3.0, -9.0], [9.0, 0.0], [9.0, 0.0], [3.0, 9.0], [3.0, 9.0]];
+        assert_area("beside, corners twice", &beside, 0.0);
+        let around = [[-9.0, -9.0], [-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+        assert_area("whole, a corner twice", &around, 4.0 * PI);
+        // rounding turns the way between them
+        let blunt = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [9.000001, 9.0], [-9.0, 9.0]];
+        assert_area("whole, a corner all but twice", &blunt, 4.0 * PI);
+        let cut = [[0.5, -9.0], [9.0, -9.0], [9.0, 9.0], [9.000001, 9.0], [0.5, 9.0]];
+        assert_area("segment, a corner all but twice", &cut, segment(0.5));
     }
 }

@@ -1,6 +1,7 @@
-//! Harness: samplers that the backend keeps to itself, for the tests of their distributions.
+//! Harness: samplers and discs that the backend keeps to itself, for their tests.
 
-use super::eye::camera_ray;
+use super::disc::Disc;
+use super::eye::{GatherPoint, camera_ray};
 use super::streams::*;
 use super::trace::jotons;
 use crate::backend::Tally;
@@ -12,7 +13,7 @@ use crate::optics::shading::frame::Frame;
 use crate::packed::{Guide, PackedEmitter, PackedMaterial, PackedScene, Target};
 use crate::plan::Plan;
 use crate::sampling::rng::sequence2;
-use crate::spectrum::Bands;
+use crate::spectrum::{BANDS, Bands};
 use glam::Vec3;
 
 /// Every stream of Sobol pairs.
@@ -87,4 +88,33 @@ pub fn camera_direction(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -
 pub fn mirror_lobe(material: &PackedMaterial, back: Vec3, normal: Vec3, u: [f32; 2]) -> Option<Vec3> {
     let frame = Frame { back, ng: normal, ns: normal, front: true };
     Bsdf::new(material, frame).sample_delta(0, u)
+}
+
+/// What the disc of the caustic map about a place on a triangle holds \[E31\]: its radius, the area of the surface in it, and walls as
+/// unit normals with their offsets from the place; `front`: the side that is looked at.
+pub fn disc(
+    scene: &PackedScene,
+    triangle: u32,
+    front: bool,
+    position: Vec3,
+    radius: f32,
+) -> (f32, f32, Vec<(Vec3, f32)>) {
+    let triangle = &scene.triangles[triangle as usize];
+    let ng = triangle.normal() * if front { 1.0 } else { -1.0 };
+    let frame = Frame { back: ng, ng, ns: ng, front };
+    let g = GatherPoint {
+        position,
+        ng,
+        front,
+        ns: ng,
+        wo: ng,
+        throughput: [1.0; BANDS],
+        bsdf: Bsdf::new(&scene.materials[triangle.material as usize], frame),
+        triangle,
+        chain: 0,
+        length: 1.0,
+    };
+    let disc = Disc::about(scene, &g, radius);
+    let walls = disc.walls().into_iter().flatten().filter(|(normal, _)| *normal != Vec3::ZERO);
+    (disc.radius, disc.area, walls.collect())
 }
