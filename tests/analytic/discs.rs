@@ -6,6 +6,8 @@ use joton::film::Layer;
 use std::f64::consts::PI;
 
 const ALBEDO: f32 = 0.7;
+/// Height of posts.
+const TOP: f64 = 0.2;
 
 /// Strips of 2, 5, 10 and 30 cm under a sun through a slab that is all but air: across each there is the light that falls on it,
 /// ρ/π E w, though the narrow ones are narrower than a disc.
@@ -39,7 +41,6 @@ fn strips_have_the_light_that_falls_on_them() {
 /// reach beyond their edges.
 #[test]
 fn small_tops_are_as_bright_as_wide_ones() {
-    const TOP: f64 = 0.2;
     let (height, tan) = (0.95, 0.2134);
     let mut b = Build::new(v(0., 0., height), v(0., 0., 0.), tan, 64);
     b.floor(v(0., 0., 0.), 0.5, &matte([ALBEDO; 3]));
@@ -65,6 +66,24 @@ fn small_tops_are_as_bright_as_wide_ones() {
             let want = f64::from(ALBEDO) / PI * 0.96 / 1.04;
             shot.claim(&format!("top of {width}"), seen, [want; 3], tolerance);
         }
+    }
+}
+
+/// The top of a post of 3 cm fills the image, under a glass roof of 6 m through which one joton in forty thousand would come there: it
+/// is learned where they must start [E20].
+#[test]
+fn jotons_find_a_close_up_under_a_wide_roof() {
+    let (half, tan) = (0.015, 0.02);
+    let x = 0.7;
+    let mut b = Build::new(v(x, 0., TOP + 0.7), v(x, 0., TOP), tan, 32);
+    b.floor(v(0., 0., 0.), 3.0, &matte([ALBEDO; 3]));
+    b.cuboid(v(x - half, -half, 0.001), v(x + half, half, TOP), true, &matte([ALBEDO; 3]));
+    b.cuboid(v(-3., -3., 1.), v(3., 3., 1.02), true, &clear(1.5));
+    b.sun(v(0., 0., -1.), [1.0; 3]);
+    for who in mappers() {
+        let shot = render(who, &b.0, "LS+DE", 16);
+        let want = f64::from(ALBEDO) / PI * 0.96 / 1.04;
+        shot.claim("close-up", shot.mean(&[Layer::Caustic], |_, _| true), [want; 3], 0.02);
     }
 }
 

@@ -43,8 +43,10 @@ const AGAIN: f64 = 0.25;
 /// What is learned must lower the second moment to this part of what it is. Of the diffuse map further: its noise is a part
 /// of the image's only, and more jotons in view are more to gather.
 const WORTH: [f64; 2] = [0.9, 0.6];
-/// Useful jotons that a warp is learned from, at least.
+/// Useful jotons that a warp is learned from, at least; and fewer where they had to be sought: what half of them tells is held against
+/// the other half.
 const HITS: usize = 64;
+const HITS_SOUGHT: usize = 8;
 /// Times that the way to where the camera looks is sought, at most.
 const APPROACHES: u32 = 8;
 /// Doublings of where the camera looks up to which jotons tell the way there.
@@ -86,6 +88,11 @@ struct Traced {
 }
 
 impl Traced {
+    /// Enough were useful to learn from.
+    fn is_known(&self) -> bool {
+        self.hits.len() >= if self.guess.is_some() { HITS_SOUGHT } else { HITS }
+    }
+
     /// Mean over its jotons of what their noise counts.
     fn moment(&self) -> f64 {
         self.hits.iter().map(|h| h.moment).sum::<f64>() / f64::from(self.count.max(1))
@@ -244,7 +251,7 @@ fn in_view(traced: &[Traced], share: impl Fn(usize) -> f64) -> f64 {
 
 /// Warps and pick probabilities from what was found, if these are worth it.
 fn steer(scene: &PackedScene, traced: &[Traced], total: f64, wanted: f64) -> (Guide, f64) {
-    let mut strongest: Vec<usize> = (0..traced.len()).filter(|&i| traced[i].hits.len() >= HITS).collect();
+    let mut strongest: Vec<usize> = (0..traced.len()).filter(|&i| traced[i].is_known()).collect();
     strongest.sort_by(|&a, &b| traced[b].moment().total_cmp(&traced[a].moment()));
     strongest.truncate(MAX_WARPS);
     let learned: Vec<(usize, (Warp, f64))> =
