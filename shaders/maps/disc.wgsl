@@ -24,8 +24,6 @@ struct TrueDisc {
     second: vec4<f32>,
 }
 
-// Walls that stand no further than this before another one, in radii, stand behind it.
-const WALL_SLACK: f32 = 0.01;
 // A triangle about the disc's middle, with its unit front normal.
 struct NearTriangle {
     a: vec3<f32>,
@@ -192,7 +190,7 @@ fn measured_disc(place: DiscPlace, radius: f32, found: u32) -> TrueDisc {
         if k < found && wall.distance < first.distance {
             first = wall;
         }
-        if k >= found && wall.distance < second.distance && !is_behind(wall, first, WALL_SLACK * radius) {
+        if k >= found && wall.distance < second.distance && !is_behind(wall, first, DISC_WALL_SLACK * radius) {
             second = wall;
         }
     }

@@ -89,6 +89,8 @@ shared_constants! {
     pub const DISC_HALVINGS: u32 = 4;
     /// Gather points whose normals' cosine is above this lie in one plane.
     pub const INTERIOR_COS: f32 = 0.9999;
+    /// Walls that stand no further than this before another one, in radii, stand behind it.
+    pub const DISC_WALL_SLACK: f32 = 0.01;
     /// A disc whose area is the circle's but for this part, and in which no wall stands, is whole.
     pub const DISC_WHOLE: f32 = 0.01;
     /// Surfaces of one orientation or the opposite one that lie nearer than this, internal units, are one: 32 units in the last place

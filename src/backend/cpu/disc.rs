@@ -5,15 +5,12 @@ use super::eye::GatherPoint;
 use super::interior::Interior;
 use crate::packed::PackedScene;
 use crate::packed::constants::{
-    CLIP_LIFT, DISC_AREA_LEAST, DISC_HALVINGS, DISC_TRIANGLES, DISC_WHOLE, GATHER_NORMAL_COS,
-    GATHER_PLANE_SHARE, GATHER_SHEET_SHARE, ONE_PLANE, ONE_SURFACE,
+    CLIP_LIFT, DISC_AREA_LEAST, DISC_HALVINGS, DISC_TRIANGLES, DISC_WALL_SLACK, DISC_WHOLE,
+    GATHER_NORMAL_COS, GATHER_PLANE_SHARE, GATHER_SHEET_SHARE, ONE_PLANE, ONE_SURFACE,
 };
 use crate::sampling::distributions::basis;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
-
-/// Walls that stand no further than this before another one, in radii, stand behind it.
-const WALL_SLACK: f32 = 0.01;
 
 /// Half a space: points at `d` from the disc's middle with `normal · d` ≥ `offset`. The middle lies in it: `offset` ≤ 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -290,7 +287,7 @@ impl Disc {
 
     fn of(near: &[Near], g: &GatherPoint, radius: f32, has_contacts: bool) -> Self {
         let standing: Vec<Wall> = near.iter().filter_map(|t| t.wall(g.ng, radius)).collect();
-        let walls = nearest(&standing, WALL_SLACK * radius);
+        let walls = nearest(&standing, DISC_WALL_SLACK * radius);
         let parts = || near.iter().filter_map(|t| Some((t, t.surface(g, &walls, radius)?)));
         let mut area: f32 = parts().map(|(t, part)| part.area_in_ball(t.normal, radius)).sum();
         if has_contacts {
