@@ -36,8 +36,15 @@ override RADIUS_FOOTPRINTS: f32 = 4.0;
 // Pixels that have been taken.
 @group(1) @binding(7) var<storage, read_write> queue: array<atomic<u32>>;
 
-// Loop iterations of a path, at most: an invocation that has not spent as many takes another one.
-override PATH_STEPS: u32 = CAMERA_STEPS / 2u;
+// Loop iterations of a path beside those of discs, at most.
+override PATH_STEPS: u32 = CAMERA_STEPS / 4u * 3u;
+// Events of a path up to which discs are measured; further ones are taken to be whole, so that loops end.
+const DISC_EVENTS: u32 = 8u;
+// An invocation that has not spent as many takes another path.
+override NEXT_STEPS: u32 = CAMERA_STEPS / 4u;
+
+// Loop iterations of this path that measured discs. They depend on which paths are wanted, so they decide about no chance.
+var<private> disc_steps: u32;
 // Draws of an event: the way on through mirrors and glass; where to from a D surface; its light.
 const DRAWS: u32 = 3u;
 
@@ -59,15 +66,19 @@ fn leave(m: PackedMaterial, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u
 
 // Radiance of the caustic map's jotons at a surface, in a disc as large as it may be at this length of the path [E7, E31].
 // `accepted` masks the states of jotons that are wanted; u picks one of those that stand for each other.
-fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, accepted: u32, u: f32) -> Bands {
+fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, events: u32, accepted: u32, u: f32) -> Bands {
     let footprint = path_length * pass_info.camera.pixel_angle;
     let radius = INDIRECT_DISC * min(map_info.radius, RADIUS_FOOTPRINTS * footprint * sqrt(map_info.shrink));
     var disc = whole_disc(radius);
     var sum = Bands(0.0);
+    var before = steps;
     for (var turn = 0u; turn < 2u; turn += 1u) {
-        sum = joton_flux(r, disc, accepted, u);
+        sum = joton_flux(r, disc, radius, accepted, u);
+        if turn == 0u {
+            before = steps;
+        }
         // most discs hold nothing that is worth a measured area
-        if turn > 0u || max_band(sum) <= 0.0 {
+        if turn > 0u || max_band(sum) <= 0.0 || events > DISC_EVENTS {
             break;
         }
         disc = true_disc(DiscPlace(r.origin, r.geometric, front), radius, false);
@@ -75,22 +86,24 @@ fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, accepted: u32,
             break;
         }
     }
+    disc_steps += steps - before;
+    steps = before;
     if !does_vary(r.material) {
         sum *= eval_scatter(r.material, r.shading, r.wo, r.wo);
     }
     return sum / disc.area;
 }
 
-// Flux of the jotons in a disc, times f where it varies.
-fn joton_flux(r: Receiver, disc: TrueDisc, accepted: u32, u: f32) -> Bands {
+// Flux of the jotons in a disc, times f where it varies; of those that are looked at within `reach`: the same ones for a smaller disc.
+fn joton_flux(r: Receiver, disc: TrueDisc, reach: f32, accepted: u32, u: f32) -> Bands {
     let radius = disc.radius;
     let r2 = radius * radius;
     let varies = does_vary(r.material);
     let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
     var sum = Bands(0.0);
-    var rows = rows_touched(grid, r.origin, radius);
+    var rows = rows_touched(grid, r.origin, reach);
     while rows != 0u {
-        let buckets = row_run(grid, r.origin, radius, countTrailingZeros(rows));
+        let buckets = row_run(grid, r.origin, reach, countTrailingZeros(rows));
         rows &= rows - 1u;
         steps += 1u;
         if buckets.x >= buckets.y {
@@ -232,7 +245,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
             steps += candidates * (33u - countLeadingZeros(pass_info.emitters));
         }
         if HAS_CAUSTIC_MAP {
-            (*p).sum += throughput * caustic_light(receiver, s.front, (*p).length, (*p).accepted, random.y);
+            (*p).sum += throughput * caustic_light(receiver, s.front, (*p).length, (*p).events, (*p).accepted, random.y);
         }
         let u = random4(pass_info.seed, (*p).sample, (*p).pixel, dimension + 1u);
         let next = leave(b.material, b.geometric, b.shading, -direction, u.yzx);
@@ -285,7 +298,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var spent = 0u;
     loop {
         if !is_under_way {
-            if spent > PATH_STEPS {
+            if spent > NEXT_STEPS {
                 break;
             }
             let index = atomicAdd(&queue[0], 1u);
@@ -302,8 +315,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             is_under_way = go_on(&p);
             if !is_under_way {
                 film_diffuse[held(p.pixel)] += four_of_bands(p.sum);
-                spent += steps;
+                spent += steps + disc_steps;
                 steps = 0u;
+                disc_steps = 0u;
             }
         }
     }
