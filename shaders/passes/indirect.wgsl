@@ -36,12 +36,10 @@ override RADIUS_FOOTPRINTS: f32 = 4.0;
 // Pixels that have been taken.
 @group(1) @binding(7) var<storage, read_write> queue: array<atomic<u32>>;
 
-// Loop iterations of a path beside those of discs, at most.
-override PATH_STEPS: u32 = CAMERA_STEPS / 4u * 3u;
+// Loop iterations of a path beside those of discs, at most: an invocation that has not spent as many takes another one.
+override PATH_STEPS: u32 = CAMERA_STEPS / 2u;
 // Events of a path up to which discs are measured; further ones are taken to be whole, so that loops end.
 const DISC_EVENTS: u32 = 8u;
-// An invocation that has not spent as many takes another path.
-override NEXT_STEPS: u32 = CAMERA_STEPS / 4u;
 
 // Loop iterations of this path that measured discs. They depend on which paths are wanted, so they decide about no chance.
 var<private> disc_steps: u32;
@@ -298,7 +296,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var spent = 0u;
     loop {
         if !is_under_way {
-            if spent > NEXT_STEPS {
+            if spent > PATH_STEPS {
                 break;
             }
             let index = atomicAdd(&queue[0], 1u);
