@@ -43,6 +43,7 @@ const DISC_EVENTS: u32 = 8u;
 
 // Loop iterations of this path that measured discs. They depend on which paths are wanted, so they decide about no chance.
 var<private> disc_steps: u32;
+
 // Draws of an event: the way on through mirrors and glass; where to from a D surface; its light.
 const DRAWS: u32 = 3u;
 
