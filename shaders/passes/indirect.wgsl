@@ -38,8 +38,6 @@ override RADIUS_FOOTPRINTS: f32 = 4.0;
 
 // Loop iterations of a path beside those of discs, at most: an invocation that has not spent as many takes another one.
 override PATH_STEPS: u32 = CAMERA_STEPS / 2u;
-// Events of a path up to which discs are measured; further ones are taken to be whole, so that loops end.
-const DISC_EVENTS: u32 = 8u;
 
 // Loop iterations of this path that measured discs. They depend on which paths are wanted, so they decide about no chance.
 var<private> disc_steps: u32;
@@ -65,7 +63,7 @@ fn leave(m: PackedMaterial, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u
 
 // Radiance of the caustic map's jotons at a surface, in a disc as large as it may be at this length of the path [E7, E31].
 // `accepted` masks the states of jotons that are wanted; u picks one of those that stand for each other.
-fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, events: u32, accepted: u32, u: f32) -> Bands {
+fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, accepted: u32, u: f32) -> Bands {
     let footprint = path_length * pass_info.camera.pixel_angle;
     let radius = INDIRECT_DISC * min(map_info.radius, RADIUS_FOOTPRINTS * footprint * sqrt(map_info.shrink));
     var disc = whole_disc(radius);
@@ -77,7 +75,7 @@ fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, events: u32, a
             before = steps;
         }
         // most discs hold nothing that is worth a measured area
-        if turn > 0u || max_band(sum) <= 0.0 || events > DISC_EVENTS {
+        if turn > 0u || max_band(sum) <= 0.0 {
             break;
         }
         disc = true_disc(DiscPlace(r.origin, r.geometric, front), radius, false);
@@ -244,7 +242,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
             steps += candidates * (33u - countLeadingZeros(pass_info.emitters));
         }
         if HAS_CAUSTIC_MAP {
-            (*p).sum += throughput * caustic_light(receiver, s.front, (*p).length, (*p).events, (*p).accepted, random.y);
+            (*p).sum += throughput * caustic_light(receiver, s.front, (*p).length, (*p).accepted, random.y);
         }
         let u = random4(pass_info.seed, (*p).sample, (*p).pixel, dimension + 1u);
         let next = leave(b.material, b.geometric, b.shading, -direction, u.yzx);
