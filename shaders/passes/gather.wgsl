@@ -34,10 +34,6 @@ fn wall_about(plane: vec4<f32>, p: vec3<f32>) -> vec4<f32> {
     return vec4(plane.xyz, plane.w - dot(plane.xyz, p));
 }
 
-fn stands_before(wall: vec4<f32>, d: vec3<f32>) -> bool {
-    return dot(wall.xyz, d) >= wall.w;
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let lanes = lanes_here();
@@ -100,7 +96,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 let height = abs(dot(d, select(normal, n / 127.0, CAUSTIC)));
                 if is_mine && dot(d, d) < r2 && height < plane
                     && dot(n, normal) > 127.0 * GATHER_NORMAL_COS
-                    && stands_before(first_wall, d) && stands_before(second_wall, d)
+                    && is_before(first_wall, d) && is_before(second_wall, d)
                     && (!HAS_PATH_FILTER || path_wanted(bitcast<u32>(joton.w) >> 24u, chain)) {
                     if varies {
                         let wi = decode_direction(sorted_jotons[first + k].wi);

@@ -7,7 +7,7 @@ use super::maps::AreaMap;
 use super::window::Window;
 use crate::film::neighbours::around;
 use crate::packed::PackedScene;
-use crate::packed::constants::{CLIP_GRAZING, CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
+use crate::packed::constants::{CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
 use crate::sampling::distributions::{basis, unit_circle};
 use glam::Vec3;
 
@@ -99,7 +99,7 @@ const LARGE_PIXEL: f32 = 0.15;
 /// Look for walls within the radius; nowhere where `area` shows that no other surface is near.
 pub(super) fn find(scene: &PackedScene, area: Option<&AreaMap>, g: &GatherPoint, radius: f32) -> Clip {
     // the pixel's other gather points lie about this one
-    let footprint = g.length * scene.pixel_angle() / g.ng.dot(g.wo).abs().max(CLIP_GRAZING);
+    let footprint = g.pixel_width(scene);
     let large = footprint > LARGE_PIXEL * radius;
     let radius = radius + footprint;
     let mut walls = Walls::none(radius);

@@ -7,7 +7,7 @@ use crate::film::paths::LightPaths;
 use crate::optics::lights::{le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
-use crate::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};
+use crate::packed::constants::{CLIP_GRAZING, SURE_EVENTS, SURVIVAL_MAX};
 use crate::packed::{CameraRay, PackedScene, PackedTriangle};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
@@ -34,6 +34,13 @@ pub(super) struct GatherPoint<'a> {
     pub(super) chain: u32,
     /// Length of the path from the eye, internal units.
     pub(super) length: f32,
+}
+
+impl GatherPoint<'_> {
+    /// Width of the pixel on the surface, where it is longest, internal units.
+    pub(super) fn pixel_width(&self, scene: &PackedScene) -> f32 {
+        self.length * scene.pixel_angle() / self.ng.dot(self.wo).abs().max(CLIP_GRAZING)
+    }
 }
 
 /// What an eye path found.

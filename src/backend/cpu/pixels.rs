@@ -14,7 +14,6 @@ use crate::film::paths::{Event, LightPaths};
 use crate::film::tile_schedule::TILE;
 use crate::film::{LAYERS, Layer};
 use crate::packed::PackedScene;
-use crate::packed::constants::CLIP_GRAZING;
 use crate::plan::Plan;
 use crate::spectrum::{Bands, add};
 use rayon::prelude::*;
@@ -167,7 +166,7 @@ pub(super) fn caustic_discs(
         let limits = caustic_limits(scene, plan, &g);
         let count = count(map, &Window::new(&g, limits[1] * limits[1]).by_own_plane());
         // the pixel's other gather points lie about this one
-        let footprint = g.length * scene.pixel_angle() / g.ng.dot(g.wo).abs().max(CLIP_GRAZING);
+        let footprint = g.pixel_width(scene);
         let interior = disc::survey(scene, &g, limits[1] + footprint);
         Some(CausticDisc { count, limits, interior })
     };

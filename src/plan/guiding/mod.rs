@@ -18,7 +18,7 @@ use crate::optics::lights::samples::Start;
 use crate::optics::lights::{sample_le, sample_le_aimed};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::packed::{Guide, MAX_WARPS, PackedScene, Warp};
-use crate::plan::guiding::visible_points::{CHAIN, VisiblePoints, step};
+use crate::plan::guiding::visible_points::{CHAIN, Cells, VisiblePoints, step};
 use crate::sampling::rng::purpose::{DIMENSION_LEARN, STREAM_LEARN_DIRECTION, STREAM_LEARN_PLACE};
 use crate::sampling::rng::{random4, sequence_seed, sobol2};
 use crate::spectrum::sum;
@@ -141,22 +141,26 @@ fn hits_of(traced: &[Traced]) -> usize {
 /// Where next to no joton comes where the camera looks, a close-up in a large scene: draw directions by the jotons that came nearest to
 /// it, ever nearer, until enough are there. `round` traces anew.
 fn approach(seen: &VisiblePoints, traced: &mut Vec<Traced>, mut round: impl FnMut(&mut Vec<Traced>)) {
-    let mut doublings = DOUBLINGS_MOST + 1;
+    if hits_of(traced) >= HITS {
+        return;
+    }
+    let surroundings: Vec<Cells> = (0..=DOUBLINGS_MOST).map(|d| seen.widened(d)).collect();
+    let mut doublings = surroundings.len();
     for _ in 0..APPROACHES {
         let found = hits_of(traced);
         if found >= HITS {
             return;
         }
         // the narrowest surroundings in which enough jotons were stored; where no narrower ones hold as many, the few that are there
-        let narrower = (0..doublings).map(|d| (d, seen.widened(d))).find(|(_, cells)| {
+        let narrower = surroundings[..doublings].iter().position(|cells| {
             let is_near = |s: &&Stored| cells.width(s.position, s.normal).is_some();
             traced.iter().flat_map(|t| &t.stored).filter(is_near).take(HITS).count() == HITS
         });
         if narrower.is_none() && found == 0 {
             return;
         }
-        let (nearer, cells) = narrower.unwrap_or_else(|| (0, seen.widened(0)));
-        doublings = nearer;
+        doublings = narrower.unwrap_or(0);
+        let cells = &surroundings[doublings];
         for t in traced.iter_mut() {
             let near = t.stored.iter().filter(|s| cells.width(s.position, s.normal).is_some());
             t.guess = guessed(near.map(|s| (s.towards, s.weight)));
