@@ -15,19 +15,31 @@ const TURNS: u32 = 4;
 /// Level of blocks by which neighbours tell: kernels of 10 pixels.
 const LEVEL: usize = 2;
 
-/// From the mean radiance of each half of some layers.
-pub(super) fn told(size: [u32; 2], surfaces: &Surfaces, layers: &[[&[Bands]; 2]]) -> Vec<Told> {
+/// From the mean radiance of each half of some layers. The finest levels of it come with it.
+pub(super) fn told(
+    size: [u32; 2],
+    surfaces: &Surfaces,
+    layers: &[[&[Bands]; 2]],
+) -> (Vec<Told>, Vec<Level>) {
     let mut told: Vec<Told> = layers.iter().map(|halves| Told::alike(surfaces, *halves)).collect();
+    let mut levels = vec![Level::of_pixels(size, surfaces, &told)];
+    (0..LEVEL).for_each(|finer| levels.push(levels[finer].coarser()));
     let is_shared = |pixel: &usize| {
         let patches = surfaces.at(*pixel);
         patches.len() > 1 && patches.iter().all(|patch| patch.share < DOMINANT)
     };
     let shared: Vec<usize> = (0..(size[0] * size[1]) as usize).filter(is_shared).collect();
-    for _ in 0..if shared.is_empty() { 0 } else { TURNS } {
-        let mut level = Level::of_pixels(size, surfaces, &told);
-        (0..LEVEL).for_each(|_| level = level.coarser());
+    if shared.is_empty() {
+        return (told, levels);
+    }
+    let ids = || shared.iter().flat_map(|pixel| surfaces.ids(*pixel));
+    let mut changed = vec![vec![false; *surfaces.firsts().last().unwrap_or(&0) as usize]];
+    ids().for_each(|id| changed[0][id] = true);
+    (0..LEVEL).for_each(|finer| changed.push(levels[finer + 1].holders(&changed[finer])));
+    for _ in 0..TURNS {
+        let level = &levels[LEVEL];
         let apart = |pixel: &usize| {
-            let kernel = |patch| Kernel::at(&level, patch, middle(*pixel as u32, size));
+            let kernel = |patch| Kernel::at(level, patch, middle(*pixel as u32, size));
             let kernels: Vec<Option<Kernel>> = surfaces.at(*pixel).iter().map(kernel).collect();
             let of = |(layer, halves): (usize, &[&[Bands]; 2])| {
                 let near = |(kernel, id): (&Option<Kernel>, usize)| {
@@ -44,8 +56,13 @@ pub(super) fn told(size: [u32; 2], surfaces: &Surfaces, layers: &[[&[Bands]; 2]]
                 told.irradiance[surfaces.ids(*pixel)].copy_from_slice(&found);
             }
         }
+        levels[0].tell(&told, ids());
+        for coarse in 1..=LEVEL {
+            let (finer, coarser) = levels.split_at_mut(coarse);
+            coarser[0].take_from(&finer[coarse - 1], Some(&changed[coarse]));
+        }
     }
-    told
+    (told, levels)
 }
 
 /// What a pixel of this radiance tells of its patches, where `near` is what neighbours tell of them: the nearest to that, by least

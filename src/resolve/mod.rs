@@ -21,7 +21,7 @@ use crate::packed::PackedScene;
 use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, mul, scale};
 use bandwidth::{Bandwidths, ChoiceError, Errors};
 use mixed::weighed;
-use pyramid::{Level, middle};
+use pyramid::middle;
 use rayon::prelude::*;
 use sources::{CHOICES, LAYERS, LEVELS, Lit, Sources};
 use std::sync::{Arc, OnceLock};
@@ -114,8 +114,7 @@ fn share(
     weights: &[f32],
 ) -> Vec<Resolved> {
     let halves: Vec<_> = layers.iter().map(|lit| lit.halves).collect();
-    let told = apart::told(size, surfaces, &halves);
-    let mut levels = vec![Level::of_pixels(size, surfaces, &told)];
+    let (told, mut levels) = apart::told(size, surfaces, &halves);
     while levels.len() < LEVELS {
         levels.push(levels[levels.len() - 1].coarser());
     }
@@ -125,8 +124,7 @@ fn share(
     let shared: Vec<[Estimate; LAYERS]> =
         pixels.clone().into_par_iter().map(|pixel| of_pixel(&sources, &bandwidths, pixel)).collect();
     let resolved = |layer: usize| {
-        let (radiance, squared_error) =
-            pixels.clone().into_par_iter().map(|pixel| weighed(&sources, layer, &shared, pixel)).unzip();
+        let (radiance, squared_error) = weighed(&sources, layer, &shared).into_par_iter().unzip();
         Resolved { radiance, squared_error }
     };
     (0..layers.len()).map(resolved).collect()

@@ -45,72 +45,99 @@ pub(super) struct Level {
     pub(super) size: [u32; 2],
     first: Vec<u32>,
     nodes: Vec<Node>,
+    /// What the nodes are joined from, block by block; nothing for single pixels.
+    parts: Vec<Part>,
     /// What the nodes found of each layer.
     values: Vec<Vec<Values>>,
 }
 
 impl Level {
-    /// Single pixels, of what they tell of each layer.
+    /// Single pixels, of what they tell of each layer. Nodes have the numbers of their patches.
     pub(super) fn of_pixels(size: [u32; 2], surfaces: &Surfaces, told: &[Told]) -> Self {
-        let pixels = (size[0] * size[1]) as usize;
-        let (mut first, mut nodes) = (Vec::with_capacity(pixels + 1), Vec::new());
-        for pixel in 0..pixels {
-            first.push(nodes.len() as u32);
-            let count = count(surfaces, pixel);
-            nodes.extend(surfaces.at(pixel).iter().map(|patch| Node {
-                place: patch.place,
-                at: middle(pixel as u32, size),
-                count: count * patch.share,
-            }));
-        }
-        first.push(nodes.len() as u32);
-        let values = told.iter().map(|told| told.irradiance.iter().map(values).collect()).collect();
-        Self { width: 1, size, first, nodes, values }
+        let nodes = (0..size[0] * size[1])
+            .into_par_iter()
+            .flat_map_iter(|pixel| {
+                let count = count(surfaces, pixel as usize);
+                surfaces.at(pixel as usize).iter().map(move |patch| Node {
+                    place: patch.place,
+                    at: middle(pixel, size),
+                    count: count * patch.share,
+                })
+            })
+            .collect();
+        let of = |told: &Told| told.irradiance.par_iter().map(values).collect();
+        let values = told.iter().map(of).collect();
+        Self { width: 1, size, first: surfaces.firsts().to_vec(), nodes, parts: Vec::new(), values }
     }
 
     /// Blocks of twice the size.
     pub(super) fn coarser(&self) -> Self {
         let size = self.size.map(|n| n.div_ceil(2));
-        let blocks: Vec<(Vec<Node>, Vec<Part>)> = (0..size[0] * size[1])
-            .into_par_iter()
-            .map(|block| {
-                let (x, y) = (block % size[0] * 2, block / size[0] * 2);
-                let (mut joined, mut parts): (Vec<Node>, Vec<Part>) = (Vec::new(), Vec::new());
-                for (x, y) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
-                    if x >= self.size[0] || y >= self.size[1] {
-                        continue;
-                    }
-                    for id in self.ids(x, y) {
-                        let node = &self.nodes[id];
-                        let of = joined.iter().position(|other| other.goes_with(node, self.width));
-                        match of {
-                            Some(of) => joined[of].join(node),
-                            None => joined.push(*node),
-                        }
-                        let of = of.unwrap_or(joined.len() - 1);
-                        parts.push(Part { id: id as u32, of: of as u32, count: node.count });
-                    }
-                }
-                joined.iter_mut().for_each(|n| n.place.normal = n.place.normal.normalize_or(Vec3::Z));
-                (joined, parts)
-            })
-            .collect();
-        let (mut first, mut nodes) = (Vec::with_capacity(blocks.len() + 1), Vec::new());
-        let mut coarser = vec![Vec::new(); self.values.len()];
+        let blocks: Vec<(Vec<Node>, Vec<Part>)> =
+            (0..size[0] * size[1]).into_par_iter().map(|block| self.joined(block, size[0])).collect();
+        let (mut first, mut nodes, mut all) = (Vec::with_capacity(blocks.len() + 1), Vec::new(), Vec::new());
         for (block, parts) in blocks {
-            first.push(nodes.len() as u32);
-            for (finer, coarser) in self.values.iter().zip(&mut coarser) {
-                coarser.resize(nodes.len() + block.len(), Values::default());
-                for &Part { id, of, count } in &parts {
-                    let part = count / block[of as usize].count;
-                    let sums = &mut coarser[nodes.len() + of as usize];
-                    sums.iter_mut().zip(&finer[id as usize]).for_each(|(sum, value)| *sum += part * value);
-                }
-            }
+            let before = nodes.len() as u32;
+            first.push(before);
+            all.extend(parts.into_iter().map(|part| Part { of: before + part.of, ..part }));
             nodes.extend(block);
         }
         first.push(nodes.len() as u32);
-        Self { width: 2 * self.width, size, first, nodes, values: coarser }
+        let values = vec![vec![Values::default(); nodes.len()]; self.values.len()];
+        let mut coarser = Self { width: 2 * self.width, size, first, nodes, parts: all, values };
+        coarser.take_from(self, None);
+        coarser
+    }
+
+    /// The surfaces of a block of twice the size, and what they are joined from.
+    fn joined(&self, block: u32, across: u32) -> (Vec<Node>, Vec<Part>) {
+        let (x, y) = (block % across * 2, block / across * 2);
+        let (mut joined, mut parts): (Vec<Node>, Vec<Part>) = (Vec::new(), Vec::new());
+        for (x, y) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
+            if x >= self.size[0] || y >= self.size[1] {
+                continue;
+            }
+            for id in self.ids(x, y) {
+                let node = &self.nodes[id];
+                let of = joined.iter().position(|other| other.goes_with(node, self.width));
+                match of {
+                    Some(of) => joined[of].join(node),
+                    None => joined.push(*node),
+                }
+                let of = of.unwrap_or(joined.len() - 1);
+                parts.push(Part { id: id as u32, of: of as u32, count: node.count });
+            }
+        }
+        joined.iter_mut().for_each(|n| n.place.normal = n.place.normal.normalize_or(Vec3::Z));
+        (joined, parts)
+    }
+
+    /// Say anew what some nodes of single pixels tell of each layer.
+    pub(super) fn tell(&mut self, told: &[Told], ids: impl Iterator<Item = usize> + Clone) {
+        for (values_of_layer, told) in self.values.iter_mut().zip(told) {
+            ids.clone().for_each(|id| values_of_layer[id] = values(&told.irradiance[id]));
+        }
+    }
+
+    /// Nodes that hold one of some nodes of the finer level.
+    pub(super) fn holders(&self, finer: &[bool]) -> Vec<bool> {
+        let mut holders = vec![false; self.nodes.len()];
+        self.parts.iter().for_each(|part| holders[part.of as usize] |= finer[part.id as usize]);
+        holders
+    }
+
+    /// What nodes found, from what those of the finer level did: of all, or of these.
+    pub(super) fn take_from(&mut self, finer: &Self, only: Option<&[bool]>) {
+        let (nodes, parts) = (&self.nodes, &self.parts);
+        let is_taken = |of: usize| only.is_none_or(|only| only[of]);
+        self.values.par_iter_mut().zip(&finer.values).for_each(|(values, finer)| {
+            (0..values.len()).filter(|of| is_taken(*of)).for_each(|of| values[of] = Values::default());
+            for part in parts.iter().filter(|part| is_taken(part.of as usize)) {
+                let share = part.count / nodes[part.of as usize].count;
+                let sums = values[part.of as usize].iter_mut();
+                sums.zip(&finer[part.id as usize]).for_each(|(sum, value)| *sum += share * value);
+            }
+        });
     }
 
     /// Numbers of the surfaces of a block.
@@ -132,7 +159,8 @@ impl Level {
     }
 }
 
-/// A node as a part of one of a coarser block: its number, which of the block's it is part of, and its pixels.
+/// A node as a part of one of a coarser level: its number, the number of that, and its pixels.
+#[derive(Debug)]
 struct Part {
     id: u32,
     of: u32,

@@ -127,6 +127,11 @@ impl Surfaces {
         &self.patches[self.ids(pixel)]
     }
 
+    /// Number of the first patch of each pixel, and the end.
+    pub(super) fn firsts(&self) -> &[u32] {
+        &self.first
+    }
+
     /// One by its number.
     pub(super) fn patch(&self, id: usize) -> &Patch {
         &self.patches[id]

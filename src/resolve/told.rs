@@ -2,6 +2,7 @@
 
 use super::surfaces::Surfaces;
 use crate::spectrum::Bands;
+use rayon::prelude::*;
 
 /// What a pixel of several surfaces tells counts as so many pixels: where surfaces are seen whole anywhere near, these alone tell of
 /// them.
@@ -24,7 +25,7 @@ impl Told {
             let mean = halves.map(|half| std::array::from_fn(|b| over(half[pixel][b], weight[b])));
             std::iter::repeat_n(mean, patches.len())
         };
-        Self { irradiance: (0..halves[0].len()).flat_map(of).collect() }
+        Self { irradiance: (0..halves[0].len()).into_par_iter().flat_map_iter(of).collect() }
     }
 
     /// Of a patch.
