@@ -260,8 +260,8 @@ impl Watch {
         self.batches += 1;
         let passes = passes as f32;
         self.passes += passes;
-        let sums = self.squares.iter_mut().zip(&mut self.more);
-        for (pixel, (radiance, (square, more))) in emission.iter().zip(sums).enumerate() {
+        let sums = self.squares.par_iter_mut().zip(&mut self.more).zip(emission).enumerate();
+        sums.for_each(|(pixel, ((square, more), radiance))| {
             let each = glints.trees_a_pass(pixel).max(1.0);
             let squared = radiance.iter().map(|x| x * x).sum::<f32>();
             // pages of zeros that are never written take no memory
@@ -271,7 +271,7 @@ impl Watch {
             if each > 1.0 {
                 *more += (each - 1.0) * passes;
             }
-        }
+        });
     }
 
     /// More trees where emission varies, by what all passes saw.

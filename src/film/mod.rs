@@ -6,8 +6,10 @@ pub mod stats;
 pub mod tile_schedule;
 
 use crate::error::{Error, Result};
-use crate::film::tile_schedule::TileSchedule;
+use crate::film::tile_schedule::{Run, TILE, TileSchedule, strips};
 use crate::spectrum::{BANDS, Bands};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Bytes of a pixel of a layer: its sum, the last sample where it rests, and a batch of it, whose place the picture takes.
 const LAYER_BYTES: u64 = 24 + 12 + 12;
@@ -183,7 +185,7 @@ impl Film {
         let (_, sums) = sums.iter().find(|(of, _)| *of == layer)?;
         let layer = layer as usize;
         let (first, second) = (*passes as f64, (self.passes - passes) as f64);
-        let means = (0..sums.len()).map(|pixel| {
+        let means = (0..sums.len()).into_par_iter().map(|pixel| {
             let all = self.sum(layer, pixel);
             let mean = all.map(|x| x / self.passes.max(1) as f64);
             // what rests has no noise, and blocks that are not over
@@ -226,32 +228,23 @@ impl Film {
     pub fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
         let width = self.width as usize;
         let runs = self.schedule.runs(self.passes, passes);
-        if let Some(first_half) = self.first_half.as_mut().filter(|_| half(self.passes) == 0) {
-            first_half.add(passes, layers, &runs, width);
+        let strips = strips(&runs, self.height);
+        let is_first_half = half(self.passes) == 0;
+        if let Some(first_half) = self.first_half.as_mut().filter(|_| is_first_half) {
+            first_half.passes += passes;
+            for (layer, sums) in &mut first_half.sums {
+                in_runs(sums, &layers[*layer as usize], &strips, width, add_weighed);
+            }
         }
         self.passes += passes;
-        for ((sum, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
-            if layer.is_empty() {
-                continue;
-            }
-            assert_eq!(sum.len(), layer.len(), "a batch has as many pixels as the film");
-            for run in &runs {
-                let weight = run.weight as f64;
-                for pixels in run.pixels(width) {
-                    // black pixels are left alone: pages of zeros that are never written take no memory
-                    if run.weight > passes {
-                        let pairs = last[pixels.clone()].iter_mut().zip(&layer[pixels.clone()]);
-                        pairs.filter(|(last, l)| *last != *l).for_each(|(last, l)| *last = *l);
-                    }
-                    for (s, l) in sum[pixels.clone()].iter_mut().zip(&layer[pixels]) {
-                        if *l != [0.0; BANDS] {
-                            for b in 0..BANDS {
-                                s[b] += weight * f64::from(l[b]);
-                            }
-                        }
-                    }
+        for ((sums, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
+            in_runs(sums, layer, &strips, width, add_weighed);
+            in_runs(last, layer, &strips, width, |last, samples, weight| {
+                if weight > passes {
+                    let pairs = last.iter_mut().zip(samples);
+                    pairs.filter(|(last, l)| *last != *l).for_each(|(last, l)| *last = *l);
                 }
-            }
+            });
         }
     }
 
@@ -278,14 +271,14 @@ impl Film {
     /// The mean of the passes, whole and by layer.
     pub fn picture(&self) -> Picture {
         let n = self.passes.max(1) as f64;
-        let image = |f: &dyn Fn(usize) -> [f64; BANDS]| {
+        let image = |f: &(dyn Fn(usize) -> [f64; BANDS] + Sync)| {
             let mut image = Image::new(self.width, self.height);
-            for (p, pixel) in image.pixels.iter_mut().enumerate() {
+            image.pixels.par_iter_mut().enumerate().for_each(|(p, pixel)| {
                 let sum = f(p);
                 if sum != [0.0; BANDS] {
                     *pixel = sum.map(|x| (x / n) as f32);
                 }
-            }
+            });
             image
         };
         Picture {
@@ -296,22 +289,38 @@ impl Film {
     }
 }
 
-impl FirstHalf {
-    fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS], runs: &[tile_schedule::Run], width: usize) {
-        self.passes += passes;
-        for (of, sums) in &mut self.sums {
-            let layer = &layers[*of as usize];
-            if layer.is_empty() {
-                continue;
+/// Do something with the pixels of runs: with those of sums, those of a batch's layer, and the passes that a sample stands for. A layer
+/// or sums without pixels are left alone.
+fn in_runs<T: Send>(
+    sums: &mut [T],
+    layer: &[Bands],
+    strips: &[&[Run]],
+    width: usize,
+    work: impl Fn(&mut [T], &[Bands], u64) + Sync,
+) {
+    if sums.is_empty() || layer.is_empty() {
+        return;
+    }
+    assert_eq!(sums.len(), layer.len(), "a batch has as many pixels as the film");
+    let each = width * TILE as usize;
+    let pixels = sums.par_chunks_mut(each).zip(layer.par_chunks(each));
+    pixels.zip(strips).enumerate().for_each(|(strip, ((sums, layer), runs))| {
+        for run in *runs {
+            for row in run.pixels(width) {
+                let local: Range<usize> = row.start - strip * each..row.end - strip * each;
+                work(&mut sums[local.clone()], &layer[local], run.weight);
             }
-            for run in runs {
-                for pixels in run.pixels(width) {
-                    for (s, l) in sums[pixels.clone()].iter_mut().zip(&layer[pixels]) {
-                        for b in 0..BANDS {
-                            s[b] += run.weight as f64 * f64::from(l[b]);
-                        }
-                    }
-                }
+        }
+    });
+}
+
+/// Add samples that stand for so many passes. Black pixels are left alone: pages of zeros that are never written take no memory.
+fn add_weighed(sums: &mut [[f64; BANDS]], samples: &[Bands], weight: u64) {
+    let weight = weight as f64;
+    for (sum, sample) in sums.iter_mut().zip(samples) {
+        if *sample != [0.0; BANDS] {
+            for b in 0..BANDS {
+                sum[b] += weight * f64::from(sample[b]);
             }
         }
     }

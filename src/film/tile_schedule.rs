@@ -161,6 +161,12 @@ impl TileSchedule {
     }
 }
 
+/// The runs of each row of tiles, of an image so high.
+pub(crate) fn strips(runs: &[Run], height: u32) -> Vec<&[Run]> {
+    let first = |strip: u32| runs.partition_point(|run| run.rows.start < (strip * TILE) as usize);
+    (0..height.div_ceil(TILE)).map(|strip| &runs[first(strip)..first(strip + 1)]).collect()
+}
+
 /// Columns and rows of a tile that lie in the image.
 fn clipped([width, height]: [u32; 2], tile: usize) -> [Range<usize>; 2] {
     let (side, across) = (TILE as usize, width.div_ceil(TILE) as usize);

@@ -4,7 +4,7 @@
 //! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
-use crate::film::tile_schedule::{Run, TileSchedule};
+use crate::film::tile_schedule::{Run, TILE, TileSchedule, strips};
 use crate::film::{Film, LAYERS, Layer, RELATIVE_OFFSET, SAMPLES_MAX, half};
 use crate::resolve::Resolved;
 use crate::spectrum::{BANDS, BLACK, Bands, add};
@@ -57,14 +57,12 @@ impl Lattice {
         sample / across * self.step * self.width + sample % across * self.step
     }
 
-    /// Those in a run: for each row the first of them, and the first and the end of the pixels in the image.
-    fn rows<'a>(&'a self, run: &'a Run) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + 'a {
+    /// Those of a run in a row of the image: the range of them in their row, and of the pixels in the image from the first on.
+    fn in_row(&self, run: &Run, y: usize) -> Option<[std::ops::Range<usize>; 2]> {
         let first = run.columns.start.next_multiple_of(self.step);
-        let rows = run.rows.clone().filter(move |y| y.is_multiple_of(self.step) && first < run.columns.end);
-        rows.map(move |y| {
-            let pixels = y * self.width + first..y * self.width + run.columns.end;
-            (y / self.step * self.size[0] + first / self.step, pixels)
-        })
+        let pixels = y * self.width + first..y * self.width + run.columns.end;
+        let samples = first / self.step..run.columns.end.div_ceil(self.step);
+        (first < run.columns.end).then_some([samples, pixels])
     }
 }
 
@@ -139,18 +137,19 @@ impl Line {
         maps: &[Layer],
         layers: &[Vec<[f32; BANDS]>; LAYERS],
         blur: f64,
-        runs: &[Run],
+        strips: &[&[Run]],
     ) {
         self.radiance.resize(lattice.len(), [0.0; BANDS]);
         self.blurred.resize(lattice.len(), [0.0; BANDS]);
-        for layer in maps.iter().map(|l| &layers[*l as usize]) {
-            if layer.is_empty() {
-                continue;
-            }
-            for run in runs {
-                let weight = run.weight as f64;
-                for (first, pixels) in lattice.rows(run) {
-                    let sums = self.radiance[first..].iter_mut().zip(&mut self.blurred[first..]);
+        let [across, _] = lattice.size;
+        for layer in maps.iter().map(|l| &layers[*l as usize]).filter(|layer| !layer.is_empty()) {
+            let rows = self.radiance.par_chunks_mut(across).zip(self.blurred.par_chunks_mut(across));
+            rows.enumerate().for_each(|(row, (sums, blurred))| {
+                let y = row * lattice.step;
+                for run in strips[y / TILE as usize] {
+                    let Some([samples, pixels]) = lattice.in_row(run, y) else { continue };
+                    let weight = run.weight as f64;
+                    let sums = sums[samples.clone()].iter_mut().zip(&mut blurred[samples]);
                     for ((sum, blurred), l) in sums.zip(layer[pixels].iter().step_by(lattice.step)) {
                         for b in 0..BANDS {
                             let radiance = weight * f64::from(l[b]);
@@ -159,7 +158,7 @@ impl Line {
                         }
                     }
                 }
-            }
+            });
         }
         let n = passes as f64;
         self.passes += n;
@@ -201,7 +200,7 @@ impl ErrorEstimator {
     pub(crate) fn add(&mut self, first: u64, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
         if first.is_power_of_two() {
             self.before = self.error().map(|e| (first, e));
-            let samples = 0..self.lattice.len();
+            let samples = (0..self.lattice.len()).into_par_iter();
             self.early = samples.map(|s| self.sum(self.lattice.pixel(s))).collect();
             self.early_passes = first;
         }
@@ -210,7 +209,8 @@ impl ErrorEstimator {
             // what paths found of indirect light has no radius
             let maps = [Layer::Caustic, Layer::Diffuse];
             let maps = if self.resolves.contains(&Layer::Diffuse) { &maps[..1] } else { &maps };
-            self.lines[half(first)].add(&self.lattice, passes, maps, layers, blur, &runs);
+            let strips = strips(&runs, self.film.size()[1]);
+            self.lines[half(first)].add(&self.lattice, passes, maps, layers, blur, &strips);
         }
         self.film.add(passes, layers);
     }
@@ -228,7 +228,7 @@ impl ErrorEstimator {
 
     /// The layers as they were resolved now.
     pub(crate) fn set_resolved(&mut self, resolved: &[(Layer, Resolved)]) {
-        let pixels = || (0..self.lattice.len()).map(|sample| self.lattice.pixel(sample));
+        let pixels = || (0..self.lattice.len()).into_par_iter().map(|sample| self.lattice.pixel(sample));
         let sum =
             |of: &dyn Fn(&Resolved) -> Bands| resolved.iter().fold(BLACK, |sum, (_, r)| add(&sum, &of(r)));
         let errors = |p: usize| {

@@ -5,7 +5,11 @@ use crate::backend::{Cause, NonFinite};
 use crate::film::{LAYERS, Layer};
 use crate::plan::buffers::{FILM_PIXEL, FILMS};
 use crate::spectrum::{BANDS, Bands};
+use rayon::prelude::*;
 use std::ops::Range;
+
+/// Pixels that a thread of the host takes at once.
+const PIXELS_AT_ONCE: usize = 1 << 12;
 
 impl GpuBackend {
     /// The films that are traced and their bytes of these rows; none where there are no rows. Each strip uses them after the one before.
@@ -57,22 +61,28 @@ pub(super) fn four(pixel: &Bands) -> [f32; 4] {
 
 /// Put into an image what was read of a film. Black pixels are left alone.
 pub(super) fn put(pixels: &mut [Bands], bytes: &[u8]) {
-    for (bands, p) in pixels.iter_mut().zip(bytes.chunks_exact(FILM_PIXEL as usize)) {
+    let found = bytes.par_chunks_exact(FILM_PIXEL as usize);
+    pixels.par_iter_mut().zip(found).with_min_len(PIXELS_AT_ONCE).for_each(|(bands, p)| {
         let p: [f32; 4] = bytemuck::pod_read_unaligned(p);
         let found: Bands = std::array::from_fn(|b| p[b]);
         if found.map(f32::to_bits) != bands.map(f32::to_bits) {
             *bands = found;
         }
-    }
+    });
 }
 
 /// Black and counted where a band of a pixel is not finite (tested by bits).
 pub(super) fn keep_finite(layers: &mut [Vec<Bands>; LAYERS], non_finite: &mut NonFinite) {
     let is_finite = |x: &f32| x.to_bits() & 0x7f80_0000 != 0x7f80_0000;
-    for bands in layers.iter_mut().flatten() {
-        if !bands.iter().all(is_finite) {
-            non_finite.count(Cause::ReadBack);
-            *bands = [0.0; BANDS];
-        }
+    for layer in layers {
+        let broken = |bands: &mut Bands| {
+            let is_broken = !bands.iter().all(is_finite);
+            if is_broken {
+                *bands = [0.0; BANDS];
+            }
+            is_broken
+        };
+        let count = layer.par_iter_mut().with_min_len(PIXELS_AT_ONCE).map(broken).filter(|b| *b).count();
+        (0..count).for_each(|_| non_finite.count(Cause::ReadBack));
     }
 }
