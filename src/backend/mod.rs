@@ -8,7 +8,8 @@ use crate::estimators::split_paths::SplitPaths;
 use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
 use crate::resolve::Resolver;
-use crate::spectrum::{BANDS, Bands};
+use crate::spectrum::{BANDS, BLACK, Bands};
+use rayon::prelude::*;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -86,6 +87,11 @@ pub trait Backend {
     /// # Errors
     /// [`crate::Error::Device`] where the device fails, [`crate::Error::Capacity`] where a pass does not fit.
     fn render(&mut self, first: u64, count: u32) -> Result<Batch>;
+
+    /// Take a batch back that nobody needs any more: the next one has its memory.
+    fn reuse(&mut self, batch: Batch) {
+        drop(batch);
+    }
 }
 
 thread_local! {
@@ -114,13 +120,35 @@ pub fn is_guarded() -> bool {
 }
 
 /// The sums of a few passes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Batch {
     /// Radiance summed over the passes, W/(m² sr): one image for each layer, row by row from the top.
     pub layers: [Vec<Bands>; LAYERS],
     /// What was counted on the way.
     pub tally: Tally,
 }
+
+/// Memory for the layers of a batch: pages that are there already cost nothing.
+#[derive(Debug, Default)]
+struct Spare(Option<[Vec<Bands>; LAYERS]>);
+
+impl Spare {
+    /// Black layers. Zeros of new memory that are never touched take none.
+    fn black(&mut self, pixels: usize) -> [Vec<Bands>; LAYERS] {
+        let mut layers = self.0.take().unwrap_or_default();
+        for layer in &mut layers {
+            if layer.len() == pixels {
+                layer.par_chunks_mut(PIXELS_AT_ONCE).for_each(|pixels| pixels.fill(BLACK));
+            } else {
+                *layer = vec![BLACK; pixels];
+            }
+        }
+        layers
+    }
+}
+
+/// Pixels that a thread of the host takes at once.
+const PIXELS_AT_ONCE: usize = 1 << 12;
 
 /// Counts and energies, summed over passes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -3,7 +3,7 @@
 use super::{
     DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, ResolvedLayers, Stop, picture,
 };
-use crate::backend::{Backend, PASSES_MAX, Tally, guarded};
+use crate::backend::{Backend, Batch, PASSES_MAX, Tally, guarded};
 use crate::error::Result;
 use crate::estimators::split_paths::{self, SplitPaths};
 use crate::film::Layer;
@@ -116,6 +116,19 @@ impl RenderState {
             return Ok(reason);
         }
         self.set_up(backend)?;
+        let reason = self.add_batches(backend, stop, &mut watch);
+        // the picture takes the place of the last batch
+        backend.reuse(Batch::default());
+        reason
+    }
+
+    /// Batch after batch until `stop`.
+    fn add_batches(
+        &mut self,
+        backend: &mut dyn Backend,
+        stop: Stop,
+        watch: &mut dyn FnMut(&Progress<'_>) -> bool,
+    ) -> Result<Reason> {
         let mut clock = Clock::start();
         clock.go_on_from(self.reading);
         loop {
@@ -209,6 +222,7 @@ impl RenderState {
             }
             None => {}
         }
+        backend.reuse(batch);
         Ok(())
     }
 

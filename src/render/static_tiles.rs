@@ -5,6 +5,7 @@ use crate::estimators::split_paths::SplitPaths;
 use crate::film::LAYERS;
 use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
 use crate::spectrum::{BANDS, Bands};
+use rayon::prelude::*;
 
 /// Passes that are watched before a tile rests: a quiet tile and its eight neighbours have seen 2304 samples by then.
 const WATCHED: u64 = 4;
@@ -37,17 +38,18 @@ impl StaticTiles {
     /// Look at the sums of `passes` passes from `first` on; a layer without pixels is black.
     pub(crate) fn watch(&mut self, first: u64, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
         let width = self.schedule.size()[0] as usize;
-        for (tile, seen) in self.seen.iter_mut().enumerate() {
-            let samples = self.schedule.samples(tile, first, passes);
+        let schedule = &self.schedule;
+        self.seen.par_iter_mut().enumerate().for_each(|(tile, seen)| {
+            let samples = schedule.samples(tile, first, passes);
             if samples == 0 || *seen == Seen::Several {
-                continue;
+                return;
             }
             let mean = |pixel: usize| -> [Bands; LAYERS] {
                 std::array::from_fn(|l| {
                     layers[l].get(pixel).map_or([0.0; BANDS], |sum| sum.map(|x| x / samples as f32))
                 })
             };
-            let [columns, rows] = self.schedule.tile(tile);
+            let [columns, rows] = schedule.tile(tile);
             let wanted = match seen {
                 Seen::One(radiance) => *radiance,
                 _ => mean(rows.start * width + columns.start),
@@ -55,7 +57,7 @@ impl StaticTiles {
             let alike = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
             let alike = alike.map(mean).all(|radiance| is_same(&radiance, &wanted));
             *seen = if alike { Seen::One(wanted) } else { Seen::Several };
-        }
+        });
     }
 
     /// Who rests after `passes` passes, where that changes: tiles go to rest at powers of two, 2^k then being half of the

@@ -26,7 +26,7 @@ mod window;
 
 pub use path_tracer::PathTracer;
 
-use crate::backend::{Backend, Batch, Tally};
+use crate::backend::{Backend, Batch, Spare, Tally};
 use crate::error::Result;
 use crate::estimators::maps::MapKind;
 use crate::estimators::radii::{area_group, shrink};
@@ -38,7 +38,7 @@ use crate::packed::{PackedScene, scatter_area_points};
 use crate::plan::{Part, Plan};
 use crate::resolve::Resolver;
 use crate::sampling::rng::sequence_seed;
-use crate::spectrum::{BLACK, Bands};
+use crate::spectrum::Bands;
 use clip_planes::Clip;
 use interior::Interior;
 use maps::{AreaMap, JotonMap};
@@ -66,6 +66,7 @@ pub struct CpuBackend {
     area: Option<Area>,
     survey: Option<Survey>,
     schedule: TileSchedule,
+    spare: Spare,
 }
 
 /// What is known of the diffuse surfaces' area, for a group of passes.
@@ -126,6 +127,7 @@ impl CpuBackend {
             clips: Vec::new(),
             area: None,
             survey: None,
+            spare: Spare::default(),
         }
     }
 
@@ -257,11 +259,15 @@ impl Backend for CpuBackend {
             self.glints = Some(SplitPaths::mark(self.scene.size, &looks, &self.plan.lamp_images));
         }
         self.look_around();
-        let mut layers = std::array::from_fn(|_| vec![BLACK; self.scene.pixels()]);
+        let mut layers = self.spare.black(self.scene.pixels());
         for pass in first..first + u64::from(count) {
             self.pass(pass, &mut layers, &mut tally);
             tally.pixels_rested += self.schedule.pixels_resting(pass);
         }
         Ok(Batch { layers, tally })
+    }
+
+    fn reuse(&mut self, batch: Batch) {
+        self.spare = Spare(Some(batch.layers));
     }
 }

@@ -1,15 +1,12 @@
 //! Films on the device: which of them and of their rows a batch clears, and what is read back of them.
 
 use super::GpuBackend;
-use crate::backend::{Cause, NonFinite};
+use crate::backend::{Cause, NonFinite, PIXELS_AT_ONCE};
 use crate::film::{LAYERS, Layer};
 use crate::plan::buffers::{FILM_PIXEL, FILMS};
 use crate::spectrum::{BANDS, Bands};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Pixels that a thread of the host takes at once.
-const PIXELS_AT_ONCE: usize = 1 << 12;
 
 impl GpuBackend {
     /// The films that are traced and their bytes of these rows; none where there are no rows. Each strip uses them after the one before.
@@ -47,11 +44,6 @@ impl GpuBackend {
             self.strip_films = None;
         }
     }
-}
-
-/// Black layers. Zeros that are never touched take no memory.
-pub(super) fn black(pixels: usize) -> [Vec<Bands>; LAYERS] {
-    std::array::from_fn(|_| vec![[0.0; BANDS]; pixels])
 }
 
 /// A pixel as films hold it.

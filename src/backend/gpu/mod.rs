@@ -24,7 +24,7 @@ pub use device_buffers::Buffers;
 pub use kernel::{BoundKernel, Kernel};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
-use crate::backend::{Backend, Batch, Tally};
+use crate::backend::{Backend, Batch, Spare, Tally};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::SplitPaths;
@@ -75,6 +75,7 @@ pub struct GpuBackend {
     ring: Ring,
     timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
+    spare: Spare,
 }
 
 impl GpuBackend {
@@ -118,6 +119,7 @@ impl GpuBackend {
             ring,
             timer: None,
             staging: None,
+            spare: Spare::default(),
         };
         backend.run_pilot()?;
         drop(precompiler);
@@ -382,13 +384,13 @@ impl Backend for GpuBackend {
             for pass in first..first + u64::from(count) {
                 self.submit_pass(pass)?;
             }
+            let mut layers = self.spare.black(self.scene.pixels());
             let mut staging = self.staging.take();
             let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
             let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
             sources.extend(self.film_parts(&rows));
             let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
             let width = self.scene.size[0] as usize;
-            let mut layers = films::black(self.scene.pixels());
             let mut counted: Vec<Vec<u8>> = Vec::new();
             self.context.look_at(&mut staging, &sources, |i, bytes| match i.checked_sub(counts.len()) {
                 None => counted.push(bytes.to_vec()),
@@ -428,6 +430,10 @@ impl Backend for GpuBackend {
             }
         }
         Ok(Batch { layers, tally })
+    }
+
+    fn reuse(&mut self, batch: Batch) {
+        self.spare = Spare(Some(batch.layers));
     }
 }
 

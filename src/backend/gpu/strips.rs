@@ -3,7 +3,7 @@
 //! that look for emission there, and its films wait on the host. Strips leave no trace in the image, not in a bit.
 
 use super::GpuBackend;
-use super::films::{black, four, put};
+use super::films::{four, put};
 use super::recorder::Recorder;
 use crate::error::Result;
 use crate::estimators::maps::MapKind;
@@ -173,7 +173,7 @@ impl GpuBackend {
     /// Read the films of a strip back.
     fn fetch_films(&mut self, strip: Strip) -> Result<()> {
         let pixels = self.own_pixels(strip);
-        let mut layers = self.strip_films.take().unwrap_or_else(|| black(self.scene.pixels()));
+        let mut layers = self.strip_films.take().unwrap_or_else(|| self.spare.black(self.scene.pixels()));
         let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
         let mut staging = self.staging.take();
         let sources = self.parts_of_films(&Self::own_rows(strip));
