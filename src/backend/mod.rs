@@ -2,6 +2,7 @@
 
 pub mod cpu;
 pub mod gpu;
+mod host_seconds;
 
 use crate::error::Result;
 use crate::estimators::split_paths::SplitPaths;
@@ -9,8 +10,10 @@ use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
 use crate::resolve::Resolver;
 use crate::spectrum::{BANDS, BLACK, Bands};
+pub use host_seconds::{HostSeconds, HostWork};
 use rayon::prelude::*;
 use std::cell::Cell;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -29,6 +32,11 @@ pub trait Backend {
     /// Name, seconds and dispatches of each kernel since [`Backend::measure_kernels`].
     fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
         Vec::new()
+    }
+
+    /// What the host spent on this device's behalf since this was asked last; but for [`HostWork::Device`], which who calls can tell.
+    fn take_host_seconds(&mut self) -> HostSeconds {
+        HostSeconds::default()
     }
 
     /// Bytes of the device's buffers; none where the backend has none of its own.
@@ -133,12 +141,15 @@ pub struct Batch {
 struct Spare(Option<[Vec<Bands>; LAYERS]>);
 
 impl Spare {
-    /// Black layers. Zeros of new memory that are never touched take none.
-    fn black(&mut self, pixels: usize) -> [Vec<Bands>; LAYERS] {
+    /// Black layers, but for what will be written: in `written` anything may stand. Zeros of new memory that are never touched take
+    /// none.
+    fn black_but(&mut self, pixels: usize, written: Range<usize>) -> [Vec<Bands>; LAYERS] {
         let mut layers = self.0.take().unwrap_or_default();
         for layer in &mut layers {
             if layer.len() == pixels {
-                layer.par_chunks_mut(PIXELS_AT_ONCE).for_each(|pixels| pixels.fill(BLACK));
+                for kept in [0..written.start, written.end..pixels] {
+                    layer[kept].par_chunks_mut(PIXELS_AT_ONCE).for_each(|pixels| pixels.fill(BLACK));
+                }
             } else {
                 *layer = vec![BLACK; pixels];
             }

@@ -83,6 +83,10 @@ fn climb(
             KernelRow { scene, device, seed, passes: rendered.passes, kernel, seconds, dispatches }
         };
         kernels.extend(backend.kernel_seconds().into_iter().map(of_kernel));
+        if subject.timings {
+            let of_host = |(work, seconds)| of_kernel((format!("host: {work}"), seconds, rendered.passes));
+            kernels.extend(rendered.host.by_name().map(of_host));
+        }
         if !go_on {
             break;
         }

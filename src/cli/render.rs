@@ -102,7 +102,9 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }
+    let mut setup = Laps::from(begin);
     let mut scene = joton::scene::load(&a.scene)?;
+    setup.lap("reading");
     output::check_not_read(outputs.iter().chain(&a.report), &scene.files)?;
     if let Some(size) = a.size {
         scene.resize(size);
@@ -118,9 +120,12 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     for warning in &scene.warnings {
         say(&format!("warning: {warning}"));
     }
+    setup.lap("hierarchy");
     let wanted = Plan::new(&packed, settings);
+    setup.lap("planning");
     let mut devices = Devices::named(&a.device, a.reference)?;
     let (mut backend, mut device, mut plan) = devices.open(&packed, &wanted)?;
+    setup.lap("device");
     say(&device);
     if a.timings {
         backend.measure_kernels();
@@ -179,7 +184,8 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         });
     }
     if let Some(path) = &a.report {
-        let around = Circumstances { device, setup_seconds, kernels, warnings: scene.warnings.clone() };
+        let (setup, warnings) = (setup.seconds, scene.warnings.clone());
+        let around = Circumstances { device, setup_seconds, setup, kernels, warnings };
         let report = Report::new(&rendered, &packed, &plan, around);
         let text = serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e))?;
         saved = saved.and(output::write_text(path, &(text + "\n")));
@@ -189,6 +195,24 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         return Err(e);
     }
     Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
+}
+
+/// Seconds from one step to the next, by name.
+struct Laps {
+    before: Instant,
+    seconds: Vec<(&'static str, f64)>,
+}
+
+impl Laps {
+    fn from(before: Instant) -> Self {
+        Self { before, seconds: Vec::new() }
+    }
+
+    fn lap(&mut self, name: &'static str) {
+        let now = Instant::now();
+        self.seconds.push((name, (now - self.before).as_secs_f64()));
+        self.before = now;
+    }
 }
 
 /// What stopped a render, with how much of it is saved.

@@ -280,6 +280,9 @@ impl Watch {
         // of one tree: a batch's mean varies the less the more trees it has
         let seen = (self.batches - 1).max(1) as f32;
         let varies = |pixel: usize| {
+            if self.squares[pixel] <= 0.0 {
+                return 0.0;
+            }
             let squared = |sum: [f64; BANDS]| sum.iter().map(|x| (*x as f32 / passes).powi(2)).sum::<f32>();
             let mean =
                 squared(film.sum(Layer::Emission as usize, pixel)) * (self.passes + self.more[pixel]) / seen;

@@ -1,6 +1,6 @@
 //! Report: what a render did, as JSON.
 
-use crate::backend::NonFinite;
+use crate::backend::{HostSeconds, NonFinite};
 use crate::packed::PackedScene;
 use crate::plan::{Plan, Skip};
 use crate::render::{Failure, Reason, Rendered};
@@ -53,8 +53,19 @@ pub struct Report {
     pub truncated: u64,
     /// Seconds and dispatches of each kernel, where they were measured (--timings).
     pub kernels: Vec<KernelTime>,
+    /// Where the seconds of rendering went: `device` is the kernels, the rest work of the host that a device waits for.
+    #[serde(serialize_with = "HostSeconds::as_object")]
+    pub host: HostSeconds,
+    /// Where the seconds of set-up went, by name.
+    #[serde(serialize_with = "as_object")]
+    pub setup: Vec<(&'static str, f64)>,
     /// What was repaired or ignored in the scene.
     pub warnings: Vec<String>,
+}
+
+/// Pairs as an object.
+fn as_object<S: serde::Serializer>(pairs: &[(&'static str, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().copied())
 }
 
 /// What was saved inside passes: work that would not have changed the expected image.
@@ -110,6 +121,8 @@ pub struct Circumstances {
     pub device: String,
     /// Seconds before the first pass.
     pub setup_seconds: f64,
+    /// Where they went, by name.
+    pub setup: Vec<(&'static str, f64)>,
     /// What each kernel took.
     pub kernels: Vec<KernelTime>,
     /// What was repaired or ignored in the scene.
@@ -164,6 +177,8 @@ impl Report {
             non_finite: t.non_finite,
             truncated: t.truncated,
             kernels: around.kernels,
+            host: rendered.host,
+            setup: around.setup,
             warnings: around.warnings,
         }
     }

@@ -6,7 +6,7 @@ mod error_estimate;
 mod state;
 mod static_tiles;
 
-use crate::backend::{Backend, Tally};
+use crate::backend::{Backend, HostSeconds, Tally};
 use crate::error::Result;
 use crate::film::{Film, Layer, Picture};
 use crate::render::error_estimate::ErrorEstimator;
@@ -153,6 +153,8 @@ pub struct Rendered {
     pub reason: Reason,
     /// Devices that failed before.
     pub failures: Vec<Failure>,
+    /// Where the seconds went.
+    pub host: HostSeconds,
 }
 
 /// Render until `stop`; `watch` sees every batch and returns false to stop.

@@ -3,7 +3,7 @@
 use super::{
     DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, ResolvedLayers, Stop, picture,
 };
-use crate::backend::{Backend, Batch, PASSES_MAX, Tally, guarded};
+use crate::backend::{Backend, Batch, HostSeconds, HostWork, PASSES_MAX, Tally, guarded};
 use crate::error::Result;
 use crate::estimators::split_paths::{self, SplitPaths};
 use crate::film::Layer;
@@ -13,7 +13,7 @@ use crate::render::static_tiles::StaticTiles;
 use crate::resolve::Resolver;
 use crate::spectrum::BANDS;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Passes before an error estimate is trusted.
 const ERROR_PASSES: u64 = 4;
@@ -35,6 +35,9 @@ pub struct RenderState {
     /// Seconds of rendering, and processor seconds of all threads.
     reading: [f64; 2],
     failures: Vec<Failure>,
+    /// Of this process.
+    #[serde(skip)]
+    host: HostSeconds,
     /// Smooths pictures.
     #[serde(skip)]
     resolver: Option<Arc<Resolver>>,
@@ -58,6 +61,7 @@ impl RenderState {
             error: None,
             reading: [0.0; 2],
             failures: Vec::new(),
+            host: HostSeconds::default(),
             resolver: None,
             resolved: Vec::new(),
         }
@@ -184,12 +188,19 @@ impl RenderState {
 
     /// Render a batch and add it. Where the backend fails, the batch is in whole or not at all.
     fn add_batch(&mut self, backend: &mut dyn Backend, count: u64) -> Result<()> {
-        let mut batch = backend.render(self.passes, count as u32)?;
+        let begin = Instant::now();
+        let rendered = backend.render(self.passes, count as u32);
+        let between = backend.take_host_seconds();
+        self.host += between;
+        self.host.add(HostWork::Device, begin.elapsed().saturating_sub(Duration::from_secs_f64(between.total())));
+        let mut batch = rendered?;
         // black layers are not summed
         for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
             batch.layers[layer as usize] = Vec::new();
         }
-        self.sums.add(self.passes, count, &batch.layers, mean_blur(backend, self.passes, count));
+        let blur = mean_blur(backend, self.passes, count);
+        self.host.time(HostWork::Summing, || self.sums.add(self.passes, count, &batch.layers, blur));
+        let begin = Instant::now();
         self.tally += batch.tally;
         self.imbalance.add(count, &batch.tally);
         if let Some(static_tiles) = &mut self.static_tiles {
@@ -204,7 +215,7 @@ impl RenderState {
             if self.passes > 1 && self.passes.is_power_of_two() {
                 let grown = self.glimpses.grown(glints, self.sums.film());
                 self.glints = Some(grown.clone());
-                backend.set_split_paths(grown)?;
+                self.host.time(HostWork::Lists, || backend.set_split_paths(grown))?;
             }
         }
         match &mut self.static_tiles {
@@ -222,6 +233,7 @@ impl RenderState {
             }
             None => {}
         }
+        self.host.add(HostWork::Statistics, begin.elapsed());
         backend.reuse(batch);
         Ok(())
     }
@@ -234,8 +246,8 @@ impl RenderState {
         let may_stop = self.error.is_some_and(|e| stop.error.is_some_and(|limit| e.total <= limit));
         let is_known = self.sums.resolved_at() == Some(passes);
         if (is_due || may_stop) && !is_known {
-            self.resolved = resolver.resolve(self.sums.film());
-            self.sums.set_resolved(&self.resolved);
+            self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film()));
+            self.host.time(HostWork::Statistics, || self.sums.set_resolved(&self.resolved));
             self.error = self.sums.error();
         }
     }
@@ -285,10 +297,10 @@ impl RenderState {
         // a state that was stored comes without
         let is_resolved = self.sums.resolved_at() == Some(passes) && !self.resolved.is_empty();
         if let Some(resolver) = self.resolver.as_ref().filter(|_| !is_resolved) {
-            self.resolved = resolver.resolve(self.sums.film());
-            self.sums.set_resolved(&self.resolved);
+            self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film()));
+            self.host.time(HostWork::Statistics, || self.sums.set_resolved(&self.resolved));
         }
-        let picture = picture(self.sums.film(), &self.resolved);
+        let picture = self.host.time(HostWork::Picture, || picture(self.sums.film(), &self.resolved));
         let is_known = self.resolver.is_none() && (passes < ERROR_PASSES || is_estimated(passes));
         let error_estimate = if is_known { self.error } else { self.sums.error() };
         let spent = clock.read();
@@ -303,6 +315,7 @@ impl RenderState {
             error_estimate,
             reason,
             failures: self.failures,
+            host: self.host,
         }
     }
 }

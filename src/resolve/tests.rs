@@ -4,6 +4,7 @@ use super::*;
 use crate::sampling::rng::random4;
 use glam::Vec3;
 use patch::{Patch, Place};
+use pyramid::Level;
 use regression::Kernel;
 
 const SIZE: [u32; 2] = [96, 96];

@@ -24,6 +24,7 @@ fn spoilt(side: Side, planner: Planner, spoil: impl Fn(&mut PackedScene)) -> (Re
     let around = Circumstances {
         device: backend.describe(),
         setup_seconds: 0.0,
+        setup: Vec::new(),
         kernels: Vec::new(),
         warnings: Vec::new(),
     };

@@ -259,7 +259,7 @@ impl Backend for CpuBackend {
             self.glints = Some(SplitPaths::mark(self.scene.size, &looks, &self.plan.lamp_images));
         }
         self.look_around();
-        let mut layers = self.spare.black(self.scene.pixels());
+        let mut layers = self.spare.black_but(self.scene.pixels(), 0..0);
         for pass in first..first + u64::from(count) {
             self.pass(pass, &mut layers, &mut tally);
             tally.pixels_rested += self.schedule.pixels_resting(pass);

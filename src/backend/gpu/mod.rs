@@ -24,7 +24,7 @@ pub use device_buffers::Buffers;
 pub use kernel::{BoundKernel, Kernel};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
-use crate::backend::{Backend, Batch, Spare, Tally};
+use crate::backend::{Backend, Batch, HostSeconds, HostWork, Spare, Tally};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::SplitPaths;
@@ -46,6 +46,7 @@ use precompile::Precompiler;
 use recorder::{Recorder, Timer};
 use ring::Ring;
 use std::sync::Arc;
+use std::time::Instant;
 use strips::Kept;
 use tiles::Tiles;
 
@@ -76,6 +77,7 @@ pub struct GpuBackend {
     timer: Option<Timer>,
     staging: Option<wgpu::Buffer>,
     spare: Spare,
+    host: HostSeconds,
 }
 
 impl GpuBackend {
@@ -120,6 +122,7 @@ impl GpuBackend {
             timer: None,
             staging: None,
             spare: Spare::default(),
+            host: HostSeconds::default(),
         };
         backend.run_pilot()?;
         drop(precompiler);
@@ -236,11 +239,14 @@ impl GpuBackend {
     /// Record and submit one pass.
     fn submit_pass(&mut self, pass: u64) -> Result<()> {
         if self.shapes.diffuse.is_some() {
+            let begin = Instant::now();
             self.renew_area_points(pass)?;
+            self.host.add(HostWork::Lists, begin.elapsed());
         }
         if self.strips.count() > 1 {
             return self.submit_pass_in_strips(pass);
         }
+        let begin = Instant::now();
         let infos = self.map_infos(pass);
         let strip = self.strips.strip(0);
         let pass_info = self.pass_info(pass as u32, strip);
@@ -264,6 +270,7 @@ impl GpuBackend {
         let at = [("pass_info", at), ("map_info", map_info)];
         steps.record_indirect(&mut recorder, &at, live, &self.buffers);
         recorder.submit(&self.context, &self.buffers["ring"]);
+        self.host.add(HostWork::Recording, begin.elapsed());
         self.collect_times()
     }
 
@@ -321,6 +328,10 @@ impl Backend for GpuBackend {
     fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
         let seconds = self.timer.as_ref().map(|t| t.seconds().clone()).unwrap_or_default();
         seconds.into_iter().map(|(name, (seconds, dispatches))| (name, seconds, dispatches)).collect()
+    }
+
+    fn take_host_seconds(&mut self) -> HostSeconds {
+        std::mem::take(&mut self.host)
     }
 
     fn device_bytes(&self) -> Option<u64> {
@@ -384,28 +395,34 @@ impl Backend for GpuBackend {
             for pass in first..first + u64::from(count) {
                 self.submit_pass(pass)?;
             }
-            let mut layers = self.spare.black(self.scene.pixels());
+            self.context.wait()?;
+            let begin = Instant::now();
+            let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
+            let width = self.scene.size[0] as usize;
+            // strips have been read before
+            let rows = if self.strips.count() > 1 { 0..0 } else { rows.clone() };
+            let read = rows.start * width..rows.end * width;
+            let mut layers = self.spare.black_but(self.scene.pixels(), read.clone());
             let mut staging = self.staging.take();
             let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
             let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
             sources.extend(self.film_parts(&rows));
-            let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
-            let width = self.scene.size[0] as usize;
             let mut counted: Vec<Vec<u8>> = Vec::new();
             self.context.look_at(&mut staging, &sources, |i, bytes| match i.checked_sub(counts.len()) {
                 None => counted.push(bytes.to_vec()),
                 Some(film) => {
-                    films::put(&mut layers[traced[film]][rows.start * width..rows.end * width], bytes);
+                    films::put(&mut layers[traced[film]][read.clone()], bytes);
                 }
             })?;
             self.staging = staging;
+            self.host.add(HostWork::ReadingBack, begin.elapsed());
             let words: Vec<u32> = bytemuck::pod_collect_to_vec(&counted[0]);
             if !self.must_repeat(&words)? {
                 break (self.strip_films.take().unwrap_or(layers), words, counted);
             }
         };
         let mut tally = Tally::default();
-        films::keep_finite(&mut layers, &mut tally.non_finite);
+        self.host.time(HostWork::ReadingBack, || films::keep_finite(&mut layers, &mut tally.non_finite));
         let t = &mut tally;
         t.rays = status::rays(&words);
         t.shadow_rays_saved = status::shadow_rays_saved(&words);
