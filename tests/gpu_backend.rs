@@ -9,6 +9,7 @@ use joton::backend::gpu::{Context, GpuBackend};
 use joton::backend::{Backend, Batch};
 use joton::film::paths::LightPaths;
 use joton::film::stats::{Estimate, test_equal};
+use joton::film::tile_schedule::TileSchedule;
 use joton::film::{Image, Layer, Picture};
 use joton::packed::PackedScene;
 use joton::plan::{Part, Plan, Settings};
@@ -141,6 +142,30 @@ fn passes_are_independent() {
 }
 
 /// Emitted flux is the lights' flux; what was not absorbed has escaped.
+/// A batch in the memory of one that came before holds its own passes alone, where rows of the image rest, too; on both backends.
+#[test]
+fn memory_of_a_batch_is_used_again_without_what_it_held() {
+    let scene = everything(32);
+    // the rows of tiles at the top and at the bottom take no part in odd passes
+    let resting = TileSchedule::new(scene.size, [vec![1; 4], vec![0; 8], vec![1; 4]].concat());
+    let backends: [fn(&Arc<PackedScene>) -> Box<dyn Backend>; 2] = [
+        |scene| Box::new(open(scene, settings(1, "L(S|D)*E"))),
+        |scene| Box::new(CpuBackend::new(scene.clone(), Plan::new(scene, settings(1, "L(S|D)*E")))),
+    ];
+    for open in backends {
+        let (mut fresh, mut used) = (open(&scene), open(&scene));
+        let before = batch(used.as_mut(), 0, 1);
+        assert!(before.layers.iter().flatten().any(|l| l[0] > 0.0), "the first pass is not black");
+        used.reuse(before);
+        for backend in [&mut fresh, &mut used] {
+            assert!(backend.set_tile_schedule(&resting), "tiles rest");
+        }
+        let [a, b] = [&mut fresh, &mut used].map(|backend| batch(backend.as_mut(), 1, 1));
+        assert_eq!(bits(&a), bits(&b), "{}", fresh.describe());
+        assert!(a.layers.iter().all(|layer| layer[..32 * 8].iter().flatten().all(|x| *x == 0.0)), "rest");
+    }
+}
+
 #[test]
 fn energy_is_balanced() {
     device_or_return!();

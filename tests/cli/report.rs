@@ -68,9 +68,15 @@ fn report_of_one_pass_has_every_key() {
     folder.done(&format!("{QUICK} --passes 1 -o a.exr --report r.json"));
     let r = folder.report("r.json");
     let keys = "device passes seconds setup_seconds cpu_seconds rays jotons_emitted jotons_stored energy skipped \
-                radius peak_memory_bytes error_estimate";
+                radius peak_memory_bytes error_estimate host setup";
     for key in keys.split_whitespace() {
         assert!(r.get(key).is_some(), "no {key}");
+    }
+    // all that takes time is named
+    let sum = |of: &serde_json::Value| of.as_object().map_or(0.0, |o| o.values().map(number).sum::<f64>());
+    for (parts, whole) in [("host", "seconds"), ("setup", "setup_seconds")] {
+        let (parts, whole) = (sum(&r[parts]), number(&r[whole]));
+        assert!(parts <= whole && parts > 0.8 * whole - 0.01, "{parts} s of {whole} s: {r}");
     }
     for key in ["emitted", "absorbed", "escaped"] {
         assert_eq!(r["energy"][key].as_array().map(Vec::len), Some(3), "{key}");
