@@ -3,7 +3,7 @@
 use super::ladder::{Ladder, PictureRun};
 use super::subject::Subject;
 use super::{KernelRow, Row, Summary};
-use crate::backend::Backend;
+use crate::backend::{Backend, PASSES_MAX};
 use crate::render::{Stop, render};
 use crate::{Error, Result};
 
@@ -47,7 +47,8 @@ fn climb(
         if subject.timings {
             backend.measure_kernels();
         }
-        let stop = Stop { seconds: subject.times.last().copied(), ..Stop::default() };
+        // until the last step is reached
+        let stop = Stop { passes: Some(PASSES_MAX), ..Stop::default() };
         let (mut steps_done, mut go_on, mut failure) = (0, true, None);
         let rendered = render(backend.as_mut(), subject.size, stop, |progress| {
             // a slow pass may skip steps: its picture belongs to the last one that it reached
@@ -73,7 +74,7 @@ fn climb(
                 Ok(row) => go_on = see(row),
                 Err(e) => failure = Some(e),
             }
-            go_on && failure.is_none()
+            go_on && failure.is_none() && steps_done < subject.times.len()
         })?;
         if let Some(e) = failure {
             return Err(e);

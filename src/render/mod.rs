@@ -22,7 +22,7 @@ pub use state::RenderState;
 pub struct Stop {
     /// After this many passes; after [`PASSES_MAX`](crate::backend::PASSES_MAX) in any case.
     pub passes: Option<u64>,
-    /// After this many seconds of rendering.
+    /// After this many seconds of rendering, the picture among them: the last batch is the one that ends next to that.
     pub seconds: Option<f64>,
     /// When the error estimate (relative, root mean square) is at most this.
     pub error: Option<f64>,

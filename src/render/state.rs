@@ -15,6 +15,9 @@ use crate::spectrum::BANDS;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+/// Seconds that it takes to resolve a picture, over those of a look at what it shows.
+const RESOLVE_OVER_LOOK: f64 = 2.5;
+
 /// Passes before an error estimate is trusted.
 const ERROR_PASSES: u64 = 4;
 
@@ -38,6 +41,9 @@ pub struct RenderState {
     /// Of this process.
     #[serde(skip)]
     host: HostSeconds,
+    /// What the picture will take after the last pass, and the last batch took: time is kept with them in mind.
+    #[serde(skip)]
+    still_to_come: StillToCome,
     /// Smooths pictures.
     #[serde(skip)]
     resolver: Option<Arc<Resolver>>,
@@ -62,6 +68,7 @@ impl RenderState {
             reading: [0.0; 2],
             failures: Vec::new(),
             host: HostSeconds::default(),
+            still_to_come: StillToCome::default(),
             resolver: None,
             resolved: Vec::new(),
         }
@@ -135,9 +142,16 @@ impl RenderState {
     ) -> Result<Reason> {
         let mut clock = Clock::start();
         clock.go_on_from(self.reading);
+        if let Some(resolver) = self.resolver.clone().filter(|_| stop.seconds.is_some()) {
+            let begin = Instant::now();
+            self.host.time(HostWork::Resolving, || resolver.look());
+            self.still_to_come.picture = RESOLVE_OVER_LOOK * begin.elapsed().as_secs_f64();
+        }
         loop {
             let count = self.batch_passes(backend, stop);
+            let begin = Instant::now();
             let added = self.add_batch(backend, count);
+            self.still_to_come.batch = begin.elapsed().as_secs_f64();
             if stop.error.is_some() {
                 self.renew_estimate(stop);
             }
@@ -246,8 +260,10 @@ impl RenderState {
         let may_stop = self.error.is_some_and(|e| stop.error.is_some_and(|limit| e.total <= limit));
         let is_known = self.sums.resolved_at() == Some(passes);
         if (is_due || may_stop) && !is_known {
+            let begin = Instant::now();
             self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film()));
             self.host.time(HostWork::Statistics, || self.sums.set_resolved(&self.resolved));
+            self.still_to_come.picture = begin.elapsed().as_secs_f64();
             self.error = self.sums.error();
         }
     }
@@ -283,7 +299,7 @@ impl RenderState {
             Some(Reason::Error)
         } else if !go_on {
             Some(Reason::Interrupted)
-        } else if stop.seconds.is_some_and(|most| self.reading[0] >= most) {
+        } else if stop.seconds.is_some_and(|most| self.reading[0] + self.still_to_come.seconds() >= most) {
             Some(Reason::Time)
         } else {
             None
@@ -317,6 +333,20 @@ impl RenderState {
             failures: self.failures,
             host: self.host,
         }
+    }
+}
+
+/// Seconds of what follows.
+#[derive(Debug, Clone, Copy, Default)]
+struct StillToCome {
+    picture: f64,
+    batch: f64,
+}
+
+impl StillToCome {
+    /// Where another batch would end nearer to the time that is wanted than this one there is one.
+    fn seconds(&self) -> f64 {
+        self.picture + self.batch / 2.0
     }
 }
 
@@ -391,5 +421,32 @@ impl Clock {
     /// Go on from an earlier reading.
     fn go_on_from(&mut self, reading: [f64; 2]) {
         *self = Self { before: reading, ..Self::start() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A render stops where what is still to come ends next to the time that was asked for: the picture, and no batch of which more
+    /// than half would come later.
+    #[test]
+    fn time_is_kept_with_the_picture_in_mind() {
+        let stop = Stop { seconds: Some(10.0), ..Stop::default() };
+        for (seconds, picture, batch, stops) in [
+            (10.0, 0.0, 0.0, true),
+            (9.9, 0.0, 0.0, false),
+            (8.9, 1.0, 0.0, false),
+            (9.1, 1.0, 0.0, true),
+            (8.9, 0.0, 2.0, false),
+            (9.1, 0.0, 2.0, true),
+            (8.1, 1.0, 2.0, true),
+        ] {
+            let mut state = RenderState::new([1, 1]);
+            state.reading = [seconds, seconds];
+            state.still_to_come = StillToCome { picture, batch };
+            let reason = state.reason(stop, true);
+            assert_eq!(reason, stops.then_some(Reason::Time), "{seconds} s, picture {picture}, batch {batch}");
+        }
     }
 }

@@ -69,6 +69,15 @@ impl Resolver {
         &self.layers
     }
 
+    /// See what the image shows: [`Resolver::resolve`] needs it, and this is the part of its time that depends on no pass.
+    pub fn look(&self) {
+        self.surfaces();
+    }
+
+    fn surfaces(&self) -> &Surfaces {
+        self.surfaces.get_or_init(|| Surfaces::look(&self.scene, self.seed))
+    }
+
     /// Share light among neighbours, each layer by itself; what is black is left out. The film keeps the halves of these layers.
     pub fn resolve(&self, film: &Film) -> Vec<(Layer, Resolved)> {
         let has_light = |halves: &Halves| halves.means.iter().flatten().any(|l| !is_black(l));
@@ -79,8 +88,7 @@ impl Resolver {
             .iter()
             .map(|(layer, of)| Lit { layer: *layer, halves: of.means.each_ref().map(|half| &half[..]) })
             .collect();
-        let surfaces = self.surfaces.get_or_init(|| Surfaces::look(&self.scene, self.seed));
-        let resolved = share(film.size(), surfaces, &lit, *parts, &weights(film));
+        let resolved = share(film.size(), self.surfaces(), &lit, *parts, &weights(film));
         lit.iter().map(|lit| lit.layer).zip(resolved).collect()
     }
 }

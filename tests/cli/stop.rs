@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 /// Seconds after which a program that should have ended counts as hung.
 const HUNG: f64 = 120.0;
 
-/// --time ends rendering within about a second of what was asked, and does not count set-up.
+/// --time ends when it was asked to, the picture made; it does not count set-up.
 #[test]
 fn time_is_kept() {
     let folder = Folder::new();
     folder.done(&format!("{QUICK} --time 1.5 -o a.exr --report r.json"));
     let r = folder.report("r.json");
     let seconds = number(&r["seconds"]);
-    assert!((1.5..2.5).contains(&seconds), "{seconds} s");
+    assert!((1.2..1.8).contains(&seconds), "{seconds} s");
     assert_eq!(r["stopped_by"], "time");
 }
 
