@@ -19,8 +19,8 @@ const PIXEL_BYTES: u64 = 12 + 17 + 64;
 const SAMPLE_BYTES: u64 = 120;
 /// Bytes of a pixel that is resolved: what its errors weigh, what it shows, blocks of all sizes, what neighbours tell.
 const RESOLVE_BYTES: u64 = 16 + 60 + 70 + 100;
-/// Bytes of a layer of it: its first half, both means, what it tells of each surface, what blocks found, what came of it, and what it was.
-const RESOLVE_LAYER_BYTES: u64 = 24 + 24 + 24 + 43 + 20 + 12;
+/// Bytes of a layer of it: its first half, both means, what blocks found, what came of it, and what it was.
+const RESOLVE_LAYER_BYTES: u64 = 24 + 24 + 43 + 20 + 12;
 /// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
 pub const SAMPLES_MAX: u64 = 1 << 19;
 /// Most pixels of an image: they are numbered in 28 bits.

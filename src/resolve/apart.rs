@@ -4,7 +4,6 @@ use super::patch::Patch;
 use super::pyramid::{Level, middle};
 use super::regression::Kernel;
 use super::surfaces::Surfaces;
-use super::told::Told;
 use crate::spectrum::{BANDS, BLACK, Bands};
 use rayon::prelude::*;
 
@@ -15,14 +14,9 @@ const TURNS: u32 = 4;
 /// Level of blocks by which neighbours tell: kernels of 10 pixels.
 const LEVEL: usize = 2;
 
-/// From the mean radiance of each half of some layers. The finest levels of it come with it.
-pub(super) fn told(
-    size: [u32; 2],
-    surfaces: &Surfaces,
-    layers: &[[&[Bands]; 2]],
-) -> (Vec<Told>, Vec<Level>) {
-    let mut told: Vec<Told> = layers.iter().map(|halves| Told::alike(surfaces, *halves)).collect();
-    let mut levels = vec![Level::of_pixels(size, surfaces, &told)];
+/// The finest levels of what pixels tell of each of their patches, from the mean radiance of each half of some layers.
+pub(super) fn told(size: [u32; 2], surfaces: &Surfaces, layers: &[[&[Bands]; 2]]) -> Vec<Level> {
+    let mut levels = vec![Level::of_pixels(size, surfaces, layers)];
     (0..LEVEL).for_each(|finer| levels.push(levels[finer].coarser()));
     let is_shared = |pixel: &usize| {
         let patches = surfaces.at(*pixel);
@@ -30,20 +24,19 @@ pub(super) fn told(
     };
     let shared: Vec<usize> = (0..(size[0] * size[1]) as usize).filter(is_shared).collect();
     if shared.is_empty() {
-        return (told, levels);
+        return levels;
     }
-    let ids = || shared.iter().flat_map(|pixel| surfaces.ids(*pixel));
     let mut changed = vec![vec![false; *surfaces.firsts().last().unwrap_or(&0) as usize]];
-    ids().for_each(|id| changed[0][id] = true);
+    shared.iter().flat_map(|pixel| surfaces.ids(*pixel)).for_each(|id| changed[0][id] = true);
     (0..LEVEL).for_each(|finer| changed.push(levels[finer + 1].holders(&changed[finer])));
     for _ in 0..TURNS {
-        let level = &levels[LEVEL];
+        let (level, pixels) = (&levels[LEVEL], &levels[0]);
         let apart = |pixel: &usize| {
             let kernel = |patch| Kernel::at(level, patch, middle(*pixel as u32, size));
             let kernels: Vec<Option<Kernel>> = surfaces.at(*pixel).iter().map(kernel).collect();
             let of = |(layer, halves): (usize, &[&[Bands]; 2])| {
                 let near = |(kernel, id): (&Option<Kernel>, usize)| {
-                    kernel.as_ref().map_or(told[layer].of(id), |k| k.of(level.values(layer)))
+                    kernel.as_ref().map_or_else(|| pixels.of(layer, id), |k| k.of(level.values(layer)))
                 };
                 let near = kernels.iter().zip(surfaces.ids(*pixel)).map(near).collect();
                 apart(surfaces.at(*pixel), halves.map(|half| half[*pixel]), near)
@@ -52,17 +45,16 @@ pub(super) fn told(
         };
         let found: Vec<Vec<Vec<[Bands; 2]>>> = shared.par_iter().map(apart).collect();
         for (pixel, found) in shared.iter().zip(found) {
-            for (told, found) in told.iter_mut().zip(found) {
-                told.irradiance[surfaces.ids(*pixel)].copy_from_slice(&found);
+            for (layer, found) in found.iter().enumerate() {
+                surfaces.ids(*pixel).zip(found).for_each(|(id, halves)| levels[0].set(layer, id, halves));
             }
         }
-        levels[0].tell(&told, ids());
         for coarse in 1..=LEVEL {
             let (finer, coarser) = levels.split_at_mut(coarse);
             coarser[0].take_from(&finer[coarse - 1], Some(&changed[coarse]));
         }
     }
-    (told, levels)
+    levels
 }
 
 /// What a pixel of this radiance tells of its patches, where `near` is what neighbours tell of them: the nearest to that, by least

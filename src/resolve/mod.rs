@@ -122,11 +122,11 @@ fn share(
     weights: &[f32],
 ) -> Vec<Resolved> {
     let halves: Vec<_> = layers.iter().map(|lit| lit.halves).collect();
-    let (told, mut levels) = apart::told(size, surfaces, &halves);
+    let mut levels = apart::told(size, surfaces, &halves);
     while levels.len() < LEVELS {
         levels.push(levels[levels.len() - 1].coarser());
     }
-    let sources = Sources { size, surfaces, layers, told: &told, levels: &levels, parts, weights };
+    let sources = Sources { size, surfaces, layers, levels: &levels, parts, weights };
     let bandwidths = Bandwidths::look(&sources);
     let pixels = 0..size[0] * size[1];
     let shared: Vec<[Estimate; LAYERS]> =

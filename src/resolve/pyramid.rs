@@ -2,7 +2,7 @@
 
 use super::patch::Place;
 use super::surfaces::Surfaces;
-use super::told::{Told, count};
+use super::told::{alike, count};
 use crate::spectrum::{BANDS, Bands};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ pub(super) struct Node {
 pub(super) type Values = [f32; (2 * BANDS).next_multiple_of(4)];
 
 /// Both halves in one array.
-fn values(halves: &[Bands; 2]) -> Values {
+pub(super) fn values(halves: &[Bands; 2]) -> Values {
     let mut values = Values::default();
     for (value, band) in values.iter_mut().zip(halves.as_flattened()) {
         *value = *band;
@@ -52,8 +52,8 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// Single pixels, of what they tell of each layer. Nodes have the numbers of their patches.
-    pub(super) fn of_pixels(size: [u32; 2], surfaces: &Surfaces, told: &[Told]) -> Self {
+    /// Single pixels, of the mean radiance of each half of some layers. Nodes have the numbers of their patches.
+    pub(super) fn of_pixels(size: [u32; 2], surfaces: &Surfaces, layers: &[[&[Bands]; 2]]) -> Self {
         let nodes = (0..size[0] * size[1])
             .into_par_iter()
             .flat_map_iter(|pixel| {
@@ -65,8 +65,7 @@ impl Level {
                 })
             })
             .collect();
-        let of = |told: &Told| told.irradiance.par_iter().map(values).collect();
-        let values = told.iter().map(of).collect();
+        let values = layers.iter().map(|halves| alike(surfaces, *halves)).collect();
         Self { width: 1, size, first: surfaces.firsts().to_vec(), nodes, parts: Vec::new(), values }
     }
 
@@ -112,11 +111,15 @@ impl Level {
         (joined, parts)
     }
 
-    /// Say anew what some nodes of single pixels tell of each layer.
-    pub(super) fn tell(&mut self, told: &[Told], ids: impl Iterator<Item = usize> + Clone) {
-        for (values_of_layer, told) in self.values.iter_mut().zip(told) {
-            ids.clone().for_each(|id| values_of_layer[id] = values(&told.irradiance[id]));
-        }
+    /// Say anew what a node found of a layer.
+    pub(super) fn set(&mut self, layer: usize, id: usize, halves: &[Bands; 2]) {
+        self.values[layer][id] = values(halves);
+    }
+
+    /// What a node found of a layer.
+    pub(super) fn of(&self, layer: usize, id: usize) -> [Bands; 2] {
+        let found = &self.values[layer][id];
+        std::array::from_fn(|half| std::array::from_fn(|band| found[half * BANDS + band]))
     }
 
     /// Nodes that hold one of some nodes of the finer level.

@@ -4,7 +4,6 @@ use super::noise::Noise;
 use super::pyramid::{Level, middle};
 use super::regression::Kernel;
 use super::surfaces::Surfaces;
-use super::told::Told;
 use crate::film::Layer;
 use crate::spectrum::{BANDS, Bands};
 use std::cell::OnceCell;
@@ -29,8 +28,6 @@ pub(super) struct Sources<'a> {
     pub(super) size: [u32; 2],
     pub(super) surfaces: &'a Surfaces,
     pub(super) layers: &'a [Lit<'a>],
-    /// Of each layer.
-    pub(super) told: &'a [Told],
     pub(super) levels: &'a [Level],
     /// Part of the passes that each half has.
     pub(super) parts: [f32; 2],
@@ -80,7 +77,7 @@ impl Choices<'_> {
     /// Irradiance of a layer by one choice, as each half of the passes tells it.
     pub(super) fn of(&self, layer: usize, choice: usize) -> Option<[Bands; 2]> {
         let s = self.sources;
-        let Some(level) = choice.checked_sub(1) else { return Some(s.told[layer].of(self.id)) };
+        let Some(level) = choice.checked_sub(1) else { return Some(s.levels[0].of(layer, self.id)) };
         let at = || Kernel::at(&s.levels[level], s.surfaces.patch(self.id), middle(self.pixel, s.size));
         self.kernels[level].get_or_init(at).as_ref().map(|kernel| kernel.of(s.levels[level].values(layer)))
     }

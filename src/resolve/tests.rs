@@ -77,7 +77,7 @@ fn smooth_light_loses_its_noise() {
 /// The fits of all levels at some pixels: the first band of the first half.
 fn fits(surfaces: &Surfaces, truth: impl Fn(u32) -> f32, pixels: &[u32]) -> Vec<f32> {
     let half: Vec<Bands> = (0..SIZE[0] * SIZE[1]).map(|pixel| [truth(pixel); BANDS]).collect();
-    let (_, mut levels) = apart::told(SIZE, surfaces, &[[&half[..], &half[..]]]);
+    let mut levels = apart::told(SIZE, surfaces, &[[&half[..], &half[..]]]);
     while levels.len() < LEVELS {
         levels.push(levels[levels.len() - 1].coarser());
     }
@@ -170,9 +170,9 @@ fn surfaces_that_are_never_alone_are_told_apart() {
     let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(of));
     let half: Vec<Bands> =
         (0..SIZE[0] * SIZE[1]).map(|pixel| [part(pixel) + 3.0 * (1.0 - part(pixel)); BANDS]).collect();
-    let told = apart::told(SIZE, &surfaces, &[[&half[..], &half[..]]]).0.remove(0);
+    let told = apart::told(SIZE, &surfaces, &[[&half[..], &half[..]]]).remove(0);
     let mean = |which: usize| {
-        let of = |pixel: u32| told.of(surfaces.ids(pixel as usize).start + which)[0][0];
+        let of = |pixel: u32| told.of(0, surfaces.ids(pixel as usize).start + which)[0][0];
         (0..SIZE[0] * SIZE[1]).map(of).sum::<f32>() / (SIZE[0] * SIZE[1]) as f32
     };
     // alike they would tell 2 and 2

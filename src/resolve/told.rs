@@ -1,5 +1,6 @@
-//! Told: what pixels say of the irradiance of the patches that they show.
+//! Told: what pixels say of the irradiance of the patches that they show, where nothing else is known of it.
 
+use super::pyramid::{Values, values};
 use super::surfaces::Surfaces;
 use crate::spectrum::Bands;
 use rayon::prelude::*;
@@ -8,30 +9,16 @@ use rayon::prelude::*;
 /// them.
 const MIXED: f32 = 0.02;
 
-/// What is told of a layer at each patch of the image.
-#[derive(Debug)]
-pub(super) struct Told {
-    /// Mean irradiance of each half of the passes; 0 in bands that the pixel takes nothing of.
-    pub(super) irradiance: Vec<[Bands; 2]>,
-}
-
-impl Told {
-    /// All patches of a pixel alike, from the mean radiance of each half.
-    pub(super) fn alike(surfaces: &Surfaces, halves: [&[Bands]; 2]) -> Self {
-        let over = |x: f32, weight: f32| if weight > 0.0 { x / weight } else { 0.0 };
-        let of = |pixel: usize| {
-            let patches = surfaces.at(pixel);
-            let weight: Bands = std::array::from_fn(|b| patches.iter().map(|patch| patch.weight[b]).sum());
-            let mean = halves.map(|half| std::array::from_fn(|b| over(half[pixel][b], weight[b])));
-            std::iter::repeat_n(mean, patches.len())
-        };
-        Self { irradiance: (0..halves[0].len()).into_par_iter().flat_map_iter(of).collect() }
-    }
-
-    /// Of a patch.
-    pub(super) fn of(&self, id: usize) -> [Bands; 2] {
-        self.irradiance[id]
-    }
+/// Of each patch, all of a pixel alike, from the mean radiance of each half of the passes; 0 in bands that the pixel takes nothing of.
+pub(super) fn alike(surfaces: &Surfaces, halves: [&[Bands]; 2]) -> Vec<Values> {
+    let over = |x: f32, weight: f32| if weight > 0.0 { x / weight } else { 0.0 };
+    let of = |pixel: usize| {
+        let patches = surfaces.at(pixel);
+        let weight: Bands = std::array::from_fn(|b| patches.iter().map(|patch| patch.weight[b]).sum());
+        let mean = halves.map(|half| std::array::from_fn(|b| over(half[pixel][b], weight[b])));
+        std::iter::repeat_n(values(&mean), patches.len())
+    };
+    (0..halves[0].len()).into_par_iter().flat_map_iter(of).collect()
 }
 
 /// Pixels that what a pixel tells of a part of it, for a part of one, counts as.
