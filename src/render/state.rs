@@ -206,7 +206,8 @@ impl RenderState {
         let rendered = backend.render(self.passes, count as u32);
         let between = backend.take_host_seconds();
         self.host += between;
-        self.host.add(HostWork::Device, begin.elapsed().saturating_sub(Duration::from_secs_f64(between.total())));
+        self.host
+            .add(HostWork::Device, begin.elapsed().saturating_sub(Duration::from_secs_f64(between.total())));
         let mut batch = rendered?;
         // black layers are not summed
         for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
@@ -214,7 +215,7 @@ impl RenderState {
         }
         let blur = mean_blur(backend, self.passes, count);
         self.host.time(HostWork::Summing, || self.sums.add(self.passes, count, &batch.layers, blur));
-        let begin = Instant::now();
+        let (begin, mut lists) = (Instant::now(), Duration::ZERO);
         self.tally += batch.tally;
         self.imbalance.add(count, &batch.tally);
         if let Some(static_tiles) = &mut self.static_tiles {
@@ -229,7 +230,9 @@ impl RenderState {
             if self.passes > 1 && self.passes.is_power_of_two() {
                 let grown = self.glimpses.grown(glints, self.sums.film());
                 self.glints = Some(grown.clone());
-                self.host.time(HostWork::Lists, || backend.set_split_paths(grown))?;
+                let begin = Instant::now();
+                backend.set_split_paths(grown)?;
+                lists = begin.elapsed();
             }
         }
         match &mut self.static_tiles {
@@ -247,7 +250,8 @@ impl RenderState {
             }
             None => {}
         }
-        self.host.add(HostWork::Statistics, begin.elapsed());
+        self.host.add(HostWork::Statistics, begin.elapsed() - lists);
+        self.host.add(HostWork::Lists, lists);
         backend.reuse(batch);
         Ok(())
     }
@@ -446,7 +450,11 @@ mod tests {
             state.reading = [seconds, seconds];
             state.still_to_come = StillToCome { picture, batch };
             let reason = state.reason(stop, true);
-            assert_eq!(reason, stops.then_some(Reason::Time), "{seconds} s, picture {picture}, batch {batch}");
+            assert_eq!(
+                reason,
+                stops.then_some(Reason::Time),
+                "{seconds} s, picture {picture}, batch {batch}"
+            );
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::patch::Place;
 use super::surfaces::Surfaces;
-use super::told::{alike, count};
+use super::told::{Values, alike, count, values};
 use crate::spectrum::{BANDS, Bands};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -22,18 +22,6 @@ pub(super) struct Node {
     pub(super) at: Vec2,
     /// Pixels.
     pub(super) count: f32,
-}
-
-/// Mean irradiance that each half of the passes found, one after the other: the bands, and zeros up to whole vectors of four.
-pub(super) type Values = [f32; (2 * BANDS).next_multiple_of(4)];
-
-/// Both halves in one array.
-pub(super) fn values(halves: &[Bands; 2]) -> Values {
-    let mut values = Values::default();
-    for (value, band) in values.iter_mut().zip(halves.as_flattened()) {
-        *value = *band;
-    }
-    values
 }
 
 /// The blocks of one size.

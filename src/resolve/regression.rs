@@ -2,7 +2,8 @@
 //! plane through the nodes of a level, by weighted least squares [E29].
 
 use super::patch::Patch;
-use super::pyramid::{Level, Values};
+use super::pyramid::Level;
+use super::told::Values;
 use crate::sampling::distributions::basis;
 use crate::spectrum::{BANDS, Bands};
 use glam::Vec2;

@@ -1,13 +1,24 @@
 //! Told: what pixels say of the irradiance of the patches that they show, where nothing else is known of it.
 
-use super::pyramid::{Values, values};
 use super::surfaces::Surfaces;
-use crate::spectrum::Bands;
+use crate::spectrum::{BANDS, Bands};
 use rayon::prelude::*;
 
 /// What a pixel of several surfaces tells counts as so many pixels: where surfaces are seen whole anywhere near, these alone tell of
 /// them.
 const MIXED: f32 = 0.02;
+
+/// Mean irradiance that each half of the passes found, one after the other: the bands, and zeros up to whole vectors of four.
+pub(super) type Values = [f32; (2 * BANDS).next_multiple_of(4)];
+
+/// Both halves in one array.
+pub(super) fn values(halves: &[Bands; 2]) -> Values {
+    let mut values = Values::default();
+    for (value, band) in values.iter_mut().zip(halves.as_flattened()) {
+        *value = *band;
+    }
+    values
+}
 
 /// Of each patch, all of a pixel alike, from the mean radiance of each half of the passes; 0 in bands that the pixel takes nothing of.
 pub(super) fn alike(surfaces: &Surfaces, halves: [&[Bands]; 2]) -> Vec<Values> {

@@ -173,7 +173,8 @@ impl GpuBackend {
     /// Read the films of a strip back.
     fn fetch_films(&mut self, strip: Strip) -> Result<()> {
         let pixels = self.own_pixels(strip);
-        let mut layers = self.strip_films.take().unwrap_or_else(|| self.spare.black_but(self.scene.pixels(), 0..0));
+        let mut layers =
+            self.strip_films.take().unwrap_or_else(|| self.spare.black_but(self.scene.pixels(), 0..0));
         let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
         let mut staging = self.staging.take();
         let sources = self.parts_of_films(&Self::own_rows(strip));
