@@ -148,7 +148,8 @@ fn memory_of_a_batch_is_used_again_without_what_it_held() {
     let scene = everything(32);
     // the rows of tiles at the top and at the bottom take no part in odd passes
     let resting = TileSchedule::new(scene.size, [vec![1; 4], vec![0; 8], vec![1; 4]].concat());
-    let backends: [fn(&Arc<PackedScene>) -> Box<dyn Backend>; 2] = [
+    type Open = fn(&Arc<PackedScene>) -> Box<dyn Backend>;
+    let backends: [Open; 2] = [
         |scene| Box::new(open(scene, settings(1, "L(S|D)*E"))),
         |scene| Box::new(CpuBackend::new(scene.clone(), Plan::new(scene, settings(1, "L(S|D)*E")))),
     ];
