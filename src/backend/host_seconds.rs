@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 /// What the host does for a render, and what it waits for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HostWork {
-    /// Kernels that run, and what drivers do around them: no work of the host, but on the CPU backend.
+    /// Kernels that run, and what drivers do around them: no work of the host, but on the CPU backend and where an image is rendered in
+    /// strips, whose recording and reading back are not told apart.
     Device,
     /// Lists for the device: who rests, who has trees, area points.
     Lists,

@@ -138,13 +138,13 @@ pub struct Batch {
 
 /// Memory for the layers of a batch: pages that are there already cost nothing.
 #[derive(Debug, Default)]
-struct Spare(Option<[Vec<Bands>; LAYERS]>);
+struct Spare([Vec<Bands>; LAYERS]);
 
 impl Spare {
     /// Black layers, but for what will be written: in `written` anything may stand. Zeros of new memory that are never touched take
     /// none.
     fn black_but(&mut self, pixels: usize, written: Range<usize>) -> [Vec<Bands>; LAYERS] {
-        let mut layers = self.0.take().unwrap_or_default();
+        let mut layers = std::mem::take(&mut self.0);
         for layer in &mut layers {
             if layer.len() == pixels {
                 for kept in [0..written.start, written.end..pixels] {
@@ -226,7 +226,12 @@ pub struct NonFinite([u64; CAUSES]);
 impl NonFinite {
     /// Count one more.
     pub fn count(&mut self, cause: Cause) {
-        self.0[cause as usize] += 1;
+        self.add(cause, 1);
+    }
+
+    /// Count so many more.
+    pub fn add(&mut self, cause: Cause, count: u64) {
+        self.0[cause as usize] += count;
     }
 
     /// How often for this cause.

@@ -6,7 +6,7 @@ pub mod stats;
 pub mod tile_schedule;
 
 use crate::error::{Error, Result};
-use crate::film::tile_schedule::{Run, TILE, TileSchedule, strips};
+use crate::film::tile_schedule::{Run, TILE, TileSchedule};
 use crate::spectrum::{BANDS, Bands};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -228,18 +228,17 @@ impl Film {
     pub fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
         let width = self.width as usize;
         let runs = self.schedule.runs(self.passes, passes);
-        let strips = strips(&runs, self.height);
         let is_first_half = half(self.passes) == 0;
         if let Some(first_half) = self.first_half.as_mut().filter(|_| is_first_half) {
             first_half.passes += passes;
             for (layer, sums) in &mut first_half.sums {
-                in_runs(sums, &layers[*layer as usize], &strips, width, add_weighed);
+                in_runs(sums, &layers[*layer as usize], &runs, width, add_weighed);
             }
         }
         self.passes += passes;
         for ((sums, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
-            in_runs(sums, layer, &strips, width, add_weighed);
-            in_runs(last, layer, &strips, width, |last, samples, weight| {
+            in_runs(sums, layer, &runs, width, add_weighed);
+            in_runs(last, layer, &runs, width, |last, samples, weight| {
                 if weight > passes {
                     let pairs = last.iter_mut().zip(samples);
                     pairs.filter(|(last, l)| *last != *l).for_each(|(last, l)| *last = *l);
@@ -289,12 +288,12 @@ impl Film {
     }
 }
 
-/// Do something with the pixels of runs: with those of sums, those of a batch's layer, and the passes that a sample stands for. A layer
+/// Do something with the pixels of the runs of each row of tiles: with those of sums, those of a batch's layer, and the passes that a sample stands for. A layer
 /// or sums without pixels are left alone.
 fn in_runs<T: Send>(
     sums: &mut [T],
     layer: &[Bands],
-    strips: &[&[Run]],
+    runs: &[Vec<Run>],
     width: usize,
     work: impl Fn(&mut [T], &[Bands], u64) + Sync,
 ) {
@@ -304,8 +303,8 @@ fn in_runs<T: Send>(
     assert_eq!(sums.len(), layer.len(), "a batch has as many pixels as the film");
     let each = width * TILE as usize;
     let pixels = sums.par_chunks_mut(each).zip(layer.par_chunks(each));
-    pixels.zip(strips).enumerate().for_each(|(strip, ((sums, layer), runs))| {
-        for run in *runs {
+    pixels.zip(runs).enumerate().for_each(|(strip, ((sums, layer), runs))| {
+        for run in runs {
             for row in run.pixels(width) {
                 let local: Range<usize> = row.start - strip * each..row.end - strip * each;
                 work(&mut sums[local.clone()], &layer[local], run.weight);

@@ -136,12 +136,11 @@ impl TileSchedule {
         self.tile(top)[1].start..self.tile(bottom)[1].end
     }
 
-    /// The tiles that take part in some of `passes` passes from `first` on, in runs.
-    pub fn runs(&self, first: u64, passes: u64) -> Vec<Run> {
+    /// The tiles that take part in some of `passes` passes from `first` on, in runs, for each row of tiles.
+    pub fn runs(&self, first: u64, passes: u64) -> Vec<Vec<Run>> {
         let [across, down] = self.tiles();
-        let mut runs: Vec<Run> = Vec::new();
-        for y in 0..down {
-            let start = runs.len();
+        let row = |y: usize| {
+            let mut runs: Vec<Run> = Vec::new();
             for x in 0..across {
                 let tile = y * across + x;
                 if self.samples(tile, first, passes) == 0 {
@@ -149,22 +148,17 @@ impl TileSchedule {
                 }
                 let [columns, rows] = self.tile(tile);
                 let weight = 1 << self.exponents[tile];
-                match runs[start..].last_mut() {
+                match runs.last_mut() {
                     Some(run) if run.columns.end == columns.start && run.weight == weight => {
                         run.columns.end = columns.end;
                     }
                     _ => runs.push(Run { rows, columns, weight }),
                 }
             }
-        }
-        runs
+            runs
+        };
+        (0..down).map(row).collect()
     }
-}
-
-/// The runs of each row of tiles, of an image so high.
-pub(crate) fn strips(runs: &[Run], height: u32) -> Vec<&[Run]> {
-    let first = |strip: u32| runs.partition_point(|run| run.rows.start < (strip * TILE) as usize);
-    (0..height.div_ceil(TILE)).map(|strip| &runs[first(strip)..first(strip + 1)]).collect()
 }
 
 /// Columns and rows of a tile that lie in the image.
@@ -224,7 +218,7 @@ mod tests {
         let [width, height] = schedule.size().map(|n| n as usize);
         for (first, passes) in [(0, 1), (1, 1), (4, 1), (5, 3), (5, 4), (17, 16)] {
             let mut times = vec![0; width * height];
-            for run in schedule.runs(first, passes) {
+            for run in schedule.runs(first, passes).concat() {
                 run.pixels(width).flatten().for_each(|p| times[p] += run.weight);
             }
             for (p, times) in times.iter().enumerate() {
@@ -241,7 +235,7 @@ mod tests {
                 assert_eq!(resting, schedule.pixels_resting(first));
             }
         }
-        assert_eq!(schedule.runs(1, 1).len(), 2, "neighbours that are alike are one run");
+        assert_eq!(schedule.runs(1, 1).concat().len(), 2, "neighbours that are alike are one run");
         assert!(TileSchedule::none([20, 12]).is_none() && !schedule.is_none());
         assert_eq!(TileSchedule::new([20, 12], vec![1; 6]).rows(3, 1), 0..0);
         assert_eq!(TileSchedule::new([20, 12], vec![1, 1, 1, 1, 0, 1]).rows(3, 1), 8..12);

@@ -4,7 +4,7 @@
 //! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
-use crate::film::tile_schedule::{Run, TILE, TileSchedule, strips};
+use crate::film::tile_schedule::{Run, TILE, TileSchedule};
 use crate::film::{Film, LAYERS, Layer, RELATIVE_OFFSET, SAMPLES_MAX, half};
 use crate::resolve::Resolved;
 use crate::spectrum::{BANDS, BLACK, Bands, add};
@@ -137,7 +137,7 @@ impl Line {
         maps: &[Layer],
         layers: &[Vec<[f32; BANDS]>; LAYERS],
         blur: f64,
-        strips: &[&[Run]],
+        runs: &[Vec<Run>],
     ) {
         self.radiance.resize(lattice.len(), [0.0; BANDS]);
         self.blurred.resize(lattice.len(), [0.0; BANDS]);
@@ -146,7 +146,7 @@ impl Line {
             let rows = self.radiance.par_chunks_mut(across).zip(self.blurred.par_chunks_mut(across));
             rows.enumerate().for_each(|(row, (sums, blurred))| {
                 let y = row * lattice.step;
-                for run in strips[y / TILE as usize] {
+                for run in &runs[y / TILE as usize] {
                     let Some([samples, pixels]) = lattice.in_row(run, y) else { continue };
                     let weight = run.weight as f64;
                     let sums = sums[samples.clone()].iter_mut().zip(&mut blurred[samples]);
@@ -209,8 +209,7 @@ impl ErrorEstimator {
             // what paths found of indirect light has no radius
             let maps = [Layer::Caustic, Layer::Diffuse];
             let maps = if self.resolves.contains(&Layer::Diffuse) { &maps[..1] } else { &maps };
-            let strips = strips(&runs, self.film.size()[1]);
-            self.lines[half(first)].add(&self.lattice, passes, maps, layers, blur, &strips);
+            self.lines[half(first)].add(&self.lattice, passes, maps, layers, blur, &runs);
         }
         self.film.add(passes, layers);
     }

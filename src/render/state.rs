@@ -258,18 +258,23 @@ impl RenderState {
 
     /// Where the picture is resolved, its error is known when it is: at powers of four of passes, and where it may be small enough.
     fn renew_estimate(&mut self, stop: Stop) {
-        let Some(resolver) = &self.resolver else { return };
+        let Some(resolver) = self.resolver.clone() else { return };
         let passes = self.passes;
         let is_due = passes >= ERROR_PASSES && passes.is_power_of_two() && passes.ilog2().is_multiple_of(2);
         let may_stop = self.error.is_some_and(|e| stop.error.is_some_and(|limit| e.total <= limit));
         let is_known = self.sums.resolved_at() == Some(passes);
         if (is_due || may_stop) && !is_known {
             let begin = Instant::now();
-            self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film()));
-            self.host.time(HostWork::Statistics, || self.sums.set_resolved(&self.resolved));
+            self.resolve(&resolver);
             self.still_to_come.picture = begin.elapsed().as_secs_f64();
             self.error = self.sums.error();
         }
+    }
+
+    /// Share light as the passes so far have it.
+    fn resolve(&mut self, resolver: &Resolver) {
+        self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film()));
+        self.host.time(HostWork::Statistics, || self.sums.set_resolved(&self.resolved));
     }
 
     fn progress(&self, stop: Stop) -> Progress<'_> {
@@ -316,9 +321,8 @@ impl RenderState {
         let passes = self.passes;
         // a state that was stored comes without
         let is_resolved = self.sums.resolved_at() == Some(passes) && !self.resolved.is_empty();
-        if let Some(resolver) = self.resolver.as_ref().filter(|_| !is_resolved) {
-            self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film()));
-            self.host.time(HostWork::Statistics, || self.sums.set_resolved(&self.resolved));
+        if let Some(resolver) = self.resolver.clone().filter(|_| !is_resolved) {
+            self.resolve(&resolver);
         }
         let picture = self.host.time(HostWork::Picture, || picture(self.sums.film(), &self.resolved));
         let is_known = self.resolver.is_none() && (passes < ERROR_PASSES || is_estimated(passes));

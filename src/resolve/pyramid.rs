@@ -2,8 +2,8 @@
 
 use super::patch::Place;
 use super::surfaces::Surfaces;
-use super::told::{Values, alike, count, values};
-use crate::spectrum::{BANDS, Bands};
+use super::told::{Values, alike, count, halves, values};
+use crate::spectrum::Bands;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -106,8 +106,7 @@ impl Level {
 
     /// What a node found of a layer.
     pub(super) fn of(&self, layer: usize, id: usize) -> [Bands; 2] {
-        let found = &self.values[layer][id];
-        std::array::from_fn(|half| std::array::from_fn(|band| found[half * BANDS + band]))
+        halves(&self.values[layer][id])
     }
 
     /// Nodes that hold one of some nodes of the finer level.

@@ -3,9 +3,9 @@
 
 use super::patch::Patch;
 use super::pyramid::Level;
-use super::told::Values;
+use super::told::{Values, halves};
 use crate::sampling::distributions::basis;
-use crate::spectrum::{BANDS, Bands};
+use crate::spectrum::Bands;
 use glam::Vec2;
 
 /// Blocks from the place to the end of the kernel.
@@ -85,6 +85,6 @@ impl Kernel {
         for &(id, weight) in &self.0 {
             sums.iter_mut().zip(&values[id as usize]).for_each(|(sum, value)| *sum += weight * value);
         }
-        std::array::from_fn(|half| std::array::from_fn(|band| sums[half * BANDS + band]))
+        halves(&sums)
     }
 }

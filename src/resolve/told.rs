@@ -20,6 +20,11 @@ pub(super) fn values(halves: &[Bands; 2]) -> Values {
     values
 }
 
+/// Each half of what stands in one array.
+pub(super) fn halves(values: &Values) -> [Bands; 2] {
+    std::array::from_fn(|half| std::array::from_fn(|band| values[half * BANDS + band]))
+}
+
 /// Of each patch, all of a pixel alike, from the mean radiance of each half of the passes; 0 in bands that the pixel takes nothing of.
 pub(super) fn alike(surfaces: &Surfaces, halves: [&[Bands]; 2]) -> Vec<Values> {
     let over = |x: f32, weight: f32| if weight > 0.0 { x / weight } else { 0.0 };

@@ -268,6 +268,6 @@ impl Backend for CpuBackend {
     }
 
     fn reuse(&mut self, batch: Batch) {
-        self.spare = Spare(Some(batch.layers));
+        self.spare = Spare(batch.layers);
     }
 }

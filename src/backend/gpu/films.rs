@@ -75,6 +75,6 @@ pub(super) fn keep_finite(layers: &mut [Vec<Bands>; LAYERS], non_finite: &mut No
             is_broken
         };
         let count = layer.par_iter_mut().with_min_len(PIXELS_AT_ONCE).map(broken).filter(|b| *b).count();
-        (0..count).for_each(|_| non_finite.count(Cause::ReadBack));
+        non_finite.add(Cause::ReadBack, count as u64);
     }
 }

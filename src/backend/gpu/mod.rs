@@ -450,7 +450,7 @@ impl Backend for GpuBackend {
     }
 
     fn reuse(&mut self, batch: Batch) {
-        self.spare = Spare(Some(batch.layers));
+        self.spare = Spare(batch.layers);
     }
 }
 
