@@ -90,6 +90,21 @@ pub trait Backend {
         Ok(())
     }
 
+    /// Whether it pays to [`Backend::begin`]: the host's work is not in the way of the device's.
+    fn works_beside_host(&self) -> bool {
+        false
+    }
+
+    /// Begin with passes that [`Backend::render`] will be asked for, in the order in which this was called, while the host is busy with
+    /// those before. Where something else is asked for, what has begun is for nothing. A backend need not.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where the device fails.
+    fn begin(&mut self, first: u64, count: u32) -> Result<()> {
+        let _ = (first, count);
+        Ok(())
+    }
+
     /// Render passes `first .. first + count`, numbered from 0, below [`PASSES_MAX`].
     ///
     /// # Errors

@@ -135,6 +135,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let bar = if a.quiet { ProgressBar::hidden() } else { progress_bar() };
     let setup_seconds = begin.elapsed().as_secs_f64();
     let mut state = RenderState::new(packed.size);
+    state.look_ahead();
     let watch = |p: &Progress<'_>| {
         show(&bar, p);
         !interrupted.load(Ordering::SeqCst)

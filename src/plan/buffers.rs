@@ -122,7 +122,9 @@ impl<'a> BufferPlan<'a> {
         let whole = self.strips.count() == 1;
         let films = bytes(&|name| film(name).is_some_and(|layer| self.plan.layers[layer]));
         let known = bytes(&|name| known(self.plan).any(|k| k.name == name));
-        let together = if whole { counts + films } else { counts.max(films).max(known) };
+        // while a GPU renders the next batch, this one is read
+        let batches = if self.machine.is_software { 1 } else { 2 };
+        let together = if whole { batches * (counts + films) } else { counts.max(films).max(known) };
         all.push(Buffer::new("staging", together, "what is read back at a time"));
         all
     }

@@ -314,6 +314,90 @@ mod tests {
         }
     }
 
+    /// [`Counter`] that works beside the host, in batches of half of the passes so far.
+    #[derive(Default)]
+    struct Ahead {
+        begun: Vec<(u64, u64)>,
+        rendered: Vec<(u64, u64)>,
+        nap: Duration,
+    }
+
+    impl Backend for Ahead {
+        fn describe(&self) -> String {
+            "ahead".into()
+        }
+
+        fn batch_passes(&self, first: u64) -> u32 {
+            (first.next_power_of_two() / 2).clamp(1, 16) as u32
+        }
+
+        fn works_beside_host(&self) -> bool {
+            true
+        }
+
+        fn begin(&mut self, first: u64, count: u32) -> Result<()> {
+            if !self.begun.contains(&(first, count.into())) {
+                self.begun.push((first, count.into()));
+            }
+            Ok(())
+        }
+
+        fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+            self.rendered.push((first, count.into()));
+            std::thread::sleep(self.nap);
+            Counter.render(first, count)
+        }
+    }
+
+    /// A device begins with the batches that follow, but for those that begin at powers of two of passes, where it is told anew who
+    /// rests; with none that is not asked for later.
+    #[test]
+    fn the_next_batch_begins_before_it_is_asked_for() {
+        let mut backend = Ahead::default();
+        let mut state = RenderState::new([1, 1]);
+        state.look_ahead();
+        let stop = Stop { passes: Some(45), ..Stop::default() };
+        let reason = state.go_on(&mut backend, stop, |_| true).expect("a picture");
+        let wanted = [
+            (0, 1),
+            (1, 1),
+            (2, 1),
+            (3, 1),
+            (4, 2),
+            (6, 2),
+            (8, 4),
+            (12, 4),
+            (16, 8),
+            (24, 8),
+            (32, 8),
+            (40, 4),
+            (44, 1),
+        ];
+        assert_eq!(backend.rendered, wanted);
+        let begun: Vec<_> = wanted.into_iter().filter(|(first, _)| *first > 1).collect();
+        assert_eq!(backend.begun, begun);
+        let whole = render(&mut Counter, [1, 1], stop, |_| true).expect("a picture");
+        assert_eq!(state.finish(reason).picture.whole, whole.picture.whole);
+        // a state that was not told to
+        let mut backend = Ahead::default();
+        render(&mut backend, [1, 1], stop, |_| true).expect("a picture");
+        assert!(backend.begun.is_empty());
+    }
+
+    /// Where the time ends soon nothing begins that may not be asked for.
+    #[test]
+    fn nothing_begins_when_the_time_is_nearly_up() {
+        let mut backend = Ahead { nap: Duration::from_millis(5), ..Ahead::default() };
+        let mut state = RenderState::new([1, 1]);
+        state.look_ahead();
+        let stop = Stop { seconds: Some(0.1), ..Stop::default() };
+        state.go_on(&mut backend, stop, |_| true).expect("a picture");
+        assert!(backend.begun.len() > 3, "{:?}", backend.begun);
+        for batch in &backend.begun {
+            assert!(backend.rendered.contains(batch), "{batch:?} of {:?}", backend.rendered);
+        }
+    }
+
     /// A render ends before its passes have numbers of more than 32 bits, or the pilot's.
     #[test]
     fn passes_end_before_their_numbers_do() {

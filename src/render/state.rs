@@ -18,6 +18,9 @@ use std::time::{Duration, Instant};
 /// Seconds that it takes to resolve a picture, over those of a look at what it shows.
 const RESOLVE_OVER_LOOK: f64 = 2.5;
 
+/// Where the time or the error is within this part of what stops a render, no batch begins before it is known to be needed.
+const SURELY: f64 = 0.9;
+
 /// Passes before an error estimate is trusted.
 const ERROR_PASSES: u64 = 4;
 
@@ -41,6 +44,12 @@ pub struct RenderState {
     /// Of this process.
     #[serde(skip)]
     host: HostSeconds,
+    /// Whether a device may begin with a batch before it is known that the picture needs it.
+    #[serde(skip)]
+    looks_ahead: bool,
+    /// Whether it has.
+    #[serde(skip)]
+    is_ahead: bool,
     /// What the picture will take after the last pass, and the last batch took: time is kept with them in mind.
     #[serde(skip)]
     still_to_come: StillToCome,
@@ -68,10 +77,18 @@ impl RenderState {
             reading: [0.0; 2],
             failures: Vec::new(),
             host: HostSeconds::default(),
+            looks_ahead: false,
+            is_ahead: false,
             still_to_come: StillToCome::default(),
             resolver: None,
             resolved: Vec::new(),
         }
+    }
+
+    /// From now on a device that works beside the host begins with the next batch while the host adds up the last one. Watchers then
+    /// run beside it, too, and what they take is part of the rendering. The picture is the same.
+    pub fn look_ahead(&mut self) {
+        self.looks_ahead = true;
     }
 
     /// Passes in the picture: the first so many.
@@ -148,17 +165,20 @@ impl RenderState {
             self.still_to_come.picture = RESOLVE_OVER_LOOK * begin.elapsed().as_secs_f64();
         }
         loop {
-            let count = self.batch_passes(backend, stop);
+            let count = self.batch_passes(backend, self.passes, stop);
             let begin = Instant::now();
-            let added = self.add_batch(backend, count);
-            self.still_to_come.batch = begin.elapsed().as_secs_f64();
+            let added = self.add_batch(backend, count, stop);
+            self.still_to_come.pass = begin.elapsed().as_secs_f64() / count as f64;
+            self.still_to_come.passes = self.batch_passes(backend, self.passes, stop);
             if stop.error.is_some() {
                 self.renew_estimate(stop);
             }
             self.reading = clock.read();
             added?;
             let go_on = watch(&self.progress(stop));
-            clock.go_on_from(self.reading);
+            if !self.is_ahead {
+                clock.go_on_from(self.reading);
+            }
             if let Some(reason) = self.reason(stop, go_on) {
                 return Ok(reason);
             }
@@ -189,20 +209,47 @@ impl RenderState {
         Ok(())
     }
 
-    /// Passes of the next batch: a power of two, which blocks of resting tiles are whole parts of, or whole multiples.
-    fn batch_passes(&self, backend: &dyn Backend, stop: Stop) -> u64 {
+    /// Passes of the batch from pass `first` on: a power of two, which blocks of resting tiles are whole parts of, or whole multiples.
+    /// 0 where all are done.
+    fn batch_passes(&self, backend: &dyn Backend, first: u64, stop: Stop) -> u64 {
+        if first >= most(stop) {
+            return 0;
+        }
         if self.static_tiles.is_none() && !self.sums.film().tile_schedule().is_none() {
             // the film takes single samples, and the device sums all
             return 1;
         }
         // it begins at a multiple of it, wherever another device stopped
-        let aligned = 1 << self.passes.trailing_zeros().min(u64::BITS - 1);
-        batch(self.passes, backend.batch_passes(self.passes), most(stop)).min(aligned)
+        let aligned = 1 << first.trailing_zeros().min(u64::BITS - 1);
+        batch(first, backend.batch_passes(first), most(stop)).min(aligned)
+    }
+
+    /// Passes of the batch that a device may begin with while the one of `count` passes is added up: where nothing is decided in between,
+    /// and it looks as if the picture will need it.
+    fn batch_ahead(&self, backend: &dyn Backend, count: u64, stop: Stop) -> Option<u64> {
+        let after = self.passes + count;
+        // who rests and who has trees is told at powers of two
+        if !self.looks_ahead || !backend.works_beside_host() || after.is_power_of_two() || after >= most(stop)
+        {
+            return None;
+        }
+        let passes = self.batch_passes(backend, after, stop);
+        let by_then = StillToCome { passes, ..self.still_to_come };
+        let seconds = self.reading[0] + self.still_to_come.pass * count as f64 + by_then.seconds();
+        let is_over = stop.seconds.is_some_and(|most| seconds >= SURELY * most);
+        let is_good = self.error.zip(stop.error).is_some_and(|(e, limit)| SURELY * e.total <= limit);
+        (!is_over && !is_good).then_some(passes)
     }
 
     /// Render a batch and add it. Where the backend fails, the batch is in whole or not at all.
-    fn add_batch(&mut self, backend: &mut dyn Backend, count: u64) -> Result<()> {
+    fn add_batch(&mut self, backend: &mut dyn Backend, count: u64, stop: Stop) -> Result<()> {
         let begin = Instant::now();
+        let ahead = self.batch_ahead(backend, count, stop);
+        self.is_ahead = ahead.is_some();
+        if let Some(ahead) = ahead {
+            backend.begin(self.passes, count as u32)?;
+            backend.begin(self.passes + count, ahead as u32)?;
+        }
         let rendered = backend.render(self.passes, count as u32);
         let between = backend.take_host_seconds();
         self.host += between;
@@ -348,13 +395,16 @@ impl RenderState {
 #[derive(Debug, Clone, Copy, Default)]
 struct StillToCome {
     picture: f64,
-    batch: f64,
+    /// Of a pass.
+    pass: f64,
+    /// Passes of the next batch.
+    passes: u64,
 }
 
 impl StillToCome {
     /// Where another batch would end nearer to the time that is wanted than this one there is one.
     fn seconds(&self) -> f64 {
-        self.picture + self.batch / 2.0
+        self.picture + self.pass * self.passes as f64 / 2.0
     }
 }
 
@@ -452,7 +502,7 @@ mod tests {
         ] {
             let mut state = RenderState::new([1, 1]);
             state.reading = [seconds, seconds];
-            state.still_to_come = StillToCome { picture, batch };
+            state.still_to_come = StillToCome { picture, pass: batch / 4.0, passes: 4 };
             let reason = state.reason(stop, true);
             assert_eq!(
                 reason,

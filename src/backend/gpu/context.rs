@@ -153,11 +153,27 @@ impl Context {
     /// # Errors
     /// [`Error::Device`] where the device was lost.
     pub fn wait(&self) -> Result<()> {
+        self.wait_until(None)
+    }
+
+    /// Wait until a submission is done, and all before it; without one, until everything is.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the device was lost.
+    fn wait_until(&self, submission: Option<wgpu::SubmissionIndex>) -> Result<()> {
         let stopped = |what: &dyn std::fmt::Display| {
             Error::device(format!("{} stopped answering: {what}", self.info.name), "try --device cpu")
         };
         // wgpu panics where it learns while it waits that the device is lost
-        let polled = guarded(|| self.device.poll(wgpu::PollType::wait_indefinitely()));
+        let poll = |submission_index| {
+            guarded(|| self.device.poll(wgpu::PollType::Wait { submission_index, timeout: None }))
+        };
+        let is_one = submission.is_some();
+        let polled = poll(submission);
+        if is_one && !matches!(polled, Ok(Ok(_))) {
+            // a lost device knows no submissions, and says so to who waits for all
+            poll(None).ok();
+        }
         self.check()?;
         match polled {
             Ok(Ok(_)) => Ok(()),
@@ -203,29 +219,59 @@ impl Context {
         sources: &[(&wgpu::Buffer, Range<u64>)],
         mut see: impl FnMut(usize, &[u8]),
     ) -> Result<()> {
-        let length = |bytes: &Range<u64>| bytes.end - bytes.start;
-        let total: u64 = sources.iter().map(|(_, bytes)| length(bytes)).sum();
-        if staging.as_ref().is_none_or(|s| s.size() < total) {
-            *staging = Some(self.device.create_buffer(&wgpu::BufferDescriptor {
+        let mut encoder = self.encoder();
+        let copy = self.copy_out(staging.take(), sources, &mut encoder);
+        let submission = self.queue.submit([encoder.finish()]);
+        *staging = Some(self.see_copy(copy, submission, &mut see)?);
+        Ok(())
+    }
+
+    /// A recorder of commands.
+    pub(super) fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Record a copy of these bytes of each source, into this staging buffer where it is large enough.
+    pub(super) fn copy_out(
+        &self,
+        staging: Option<wgpu::Buffer>,
+        sources: &[(&wgpu::Buffer, Range<u64>)],
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Copy {
+        let sizes: Vec<u64> = sources.iter().map(|(_, bytes)| bytes.end - bytes.start).collect();
+        let total = sizes.iter().sum();
+        let staging = staging.filter(|s| s.size() >= total).unwrap_or_else(|| {
+            self.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("staging"),
                 size: total,
                 usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
-            }));
-        }
-        let Some(staging) = staging else { return Ok(()) };
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            })
+        });
         let mut at = 0;
-        for (source, bytes) in sources {
-            encoder.copy_buffer_to_buffer(source, bytes.start, staging, at, length(bytes));
-            at += length(bytes);
+        for ((source, bytes), size) in sources.iter().zip(&sizes) {
+            encoder.copy_buffer_to_buffer(source, bytes.start, &staging, at, *size);
+            at += size;
         }
-        self.queue.submit([encoder.finish()]);
+        Copy { staging, sizes }
+    }
+
+    /// Wait for a copy that was handed over, and show `see` the number and the bytes of each source. The staging buffer is free then.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the copy fails.
+    pub(super) fn see_copy(
+        &self,
+        Copy { staging, sizes }: Copy,
+        submission: wgpu::SubmissionIndex,
+        see: &mut dyn FnMut(usize, &[u8]),
+    ) -> Result<wgpu::Buffer> {
+        let total: u64 = sizes.iter().sum();
         let (sender, receiver) = futures_intrusive::channel::shared::oneshot_channel();
         staging.map_async(wgpu::MapMode::Read, ..total, move |result| {
             sender.send(result).ok();
         });
-        self.wait()?;
+        self.wait_until(Some(submission))?;
         let failed = |what: String| Error::device(format!("{}: {what}", self.info.name), "try --device cpu");
         match pollster::block_on(receiver.receive()) {
             Some(Ok(())) => {}
@@ -236,15 +282,20 @@ impl Context {
             let mapped =
                 staging.get_mapped_range(..total).map_err(|e| failed(format!("mapping failed: {e}")))?;
             let mut at = 0;
-            for (i, (_, bytes)) in sources.iter().enumerate() {
-                let size = length(bytes) as usize;
-                see(i, &mapped[at..at + size]);
-                at += size;
+            for (i, size) in sizes.iter().enumerate() {
+                see(i, &mapped[at..at + *size as usize]);
+                at += *size as usize;
             }
         }
         staging.unmap();
-        Ok(())
+        Ok(staging)
     }
+}
+
+/// A copy to the host: where it goes, and bytes of each source.
+pub(super) struct Copy {
+    pub(super) staging: wgpu::Buffer,
+    sizes: Vec<u64>,
 }
 
 /// Storage buffers in the kernel that has most of them: WebGPU's default.

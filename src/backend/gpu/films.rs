@@ -8,6 +8,9 @@ use crate::spectrum::{BANDS, Bands};
 use rayon::prelude::*;
 use std::ops::Range;
 
+/// What a batch counts, beside its films.
+pub(super) const COUNTS: [&str; 3] = ["status", "tallies_caustic", "tallies_diffuse"];
+
 impl GpuBackend {
     /// The films that are traced and their bytes of these rows; none where there are no rows. Each strip uses them after the one before.
     pub(super) fn film_parts(&self, rows: &Range<usize>) -> Vec<(&wgpu::Buffer, Range<u64>)> {
@@ -29,19 +32,13 @@ impl GpuBackend {
         Layer::ALL.into_iter().zip(FILMS).filter(|(layer, _)| self.plan.traces(*layer))
     }
 
-    /// Clear what a batch writes; of the films these rows.
-    pub(super) fn clear_films(&mut self, rows: &Range<usize>) {
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for name in ["status", "tallies_caustic", "tallies_diffuse"] {
+    /// Record that what a batch writes is cleared; of the films these rows.
+    pub(super) fn clear_films(&self, encoder: &mut wgpu::CommandEncoder, rows: &Range<usize>) {
+        for name in COUNTS {
             encoder.clear_buffer(&self.buffers[name], 0, None);
         }
         for (film, bytes) in self.film_parts(rows) {
             encoder.clear_buffer(film, bytes.start, Some(bytes.end - bytes.start));
-        }
-        self.context.queue.submit([encoder.finish()]);
-        if self.strips.count() > 1 {
-            self.strip_films = None;
         }
     }
 }

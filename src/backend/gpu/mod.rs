@@ -1,6 +1,7 @@
 //! The GPU backend: passes as WGSL compute kernels through wgpu.
 
 mod area_samples;
+mod batches;
 mod context;
 mod device_buffers;
 mod films;
@@ -24,7 +25,7 @@ pub use device_buffers::Buffers;
 pub use kernel::{BoundKernel, Kernel};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
-use crate::backend::{Backend, Batch, HostSeconds, HostWork, Spare, Tally};
+use crate::backend::{Backend, Batch, HostSeconds, HostWork, Spare};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::SplitPaths;
@@ -32,19 +33,21 @@ use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
 use crate::packed::PackedScene;
 use crate::packed::constants::{TILE, TRAVERSAL_STACK};
-use crate::packed::layout::{LaneTally, MapInfo, PassInfo, status};
+use crate::packed::layout::{MapInfo, PassInfo, status};
 use crate::plan::buffers::{self, Buffer, BufferPlan};
-use crate::plan::map_layout::{MapLayout, MapLayouts, roomy};
+use crate::plan::map_layout::{MapLayout, MapLayouts};
 use crate::plan::strips::{Strip, Strips};
 use crate::plan::{Part, Plan};
 use crate::resolve::Resolver;
-use crate::spectrum::{BANDS, Bands};
+use crate::spectrum::Bands;
 use area_samples::AreaState;
+use batches::Begun;
 use glints::SplitPathLists;
 use pipelines::{Kernels, PassGraph};
 use precompile::Precompiler;
 use recorder::{Recorder, Timer};
 use ring::Ring;
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 use strips::Kept;
@@ -71,6 +74,8 @@ pub struct GpuBackend {
     /// Sums of a batch so far, where the image is in strips; none before the first strip.
     strip_films: Option<[Vec<Bands>; LAYERS]>,
     area: Option<AreaState>,
+    /// The batch that is rendered, and the next one, where it was begun.
+    begun: VecDeque<Begun>,
     tiles: Tiles,
     glints: SplitPathLists,
     ring: Ring,
@@ -116,6 +121,7 @@ impl GpuBackend {
             kept: Vec::new(),
             strip_films: None,
             area: None,
+            begun: VecDeque::new(),
             tiles,
             glints: SplitPathLists::none(),
             ring,
@@ -139,7 +145,9 @@ impl GpuBackend {
         };
         let mut all: Vec<_> =
             self.buffers.iter().filter(own).map(|(name, buffer)| (*name, buffer.size())).collect();
-        all.extend(self.staging.as_ref().map(|b| ("staging", b.size())));
+        let read =
+            self.staging.iter().map(wgpu::Buffer::size).chain(self.begun.iter().map(Begun::staging_bytes));
+        all.push(("staging", read.sum()));
         all.sort_unstable();
         all
     }
@@ -236,23 +244,28 @@ impl GpuBackend {
         strip.rows * self.scene.size[0]
     }
 
-    /// Record and submit one pass.
-    fn submit_pass(&mut self, pass: u64) -> Result<()> {
+    /// Record one pass after what was recorded; submit that and more where needed.
+    fn record_pass(&mut self, pass: u64, before: wgpu::CommandEncoder) -> Result<wgpu::CommandEncoder> {
+        if self.timer.as_ref().is_some_and(Timer::is_nearly_full) {
+            self.collect_times()?;
+        }
         if self.shapes.diffuse.is_some() {
             let begin = Instant::now();
             self.renew_area_points(pass)?;
             self.host.add(HostWork::Lists, begin.elapsed());
         }
         if self.strips.count() > 1 {
-            return self.submit_pass_in_strips(pass);
+            self.context.queue.submit([before.finish()]);
+            self.submit_pass_in_strips(pass)?;
+            return Ok(self.context.encoder());
         }
         let begin = Instant::now();
         let infos = self.map_infos(pass);
         let strip = self.strips.strip(0);
         let pass_info = self.pass_info(pass as u32, strip);
-        let Some(steps) = &self.steps else { return Ok(()) };
+        let Some(steps) = &self.steps else { return Ok(before) };
         let live = self.tiles.live(pass);
-        let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
+        let mut recorder = Recorder::after(before, &mut self.ring, self.timer.as_mut());
         let at = recorder.ring.push(&pass_info);
         steps.record_eye(&mut recorder, at, live);
         steps.record_glints(&mut recorder, self.glints.growths(0, &(0..u32::MAX), &pass_info));
@@ -269,54 +282,17 @@ impl GpuBackend {
         let map_info = recorder.ring.push(&infos[MapKind::Caustic as usize]);
         let at = [("pass_info", at), ("map_info", map_info)];
         steps.record_indirect(&mut recorder, &at, live, &self.buffers);
-        recorder.submit(&self.context, &self.buffers["ring"]);
+        let recorded = recorder.finish(&self.context, &self.buffers["ring"]);
         self.host.add(HostWork::Recording, begin.elapsed());
-        self.collect_times()
+        Ok(recorded)
     }
 
     /// Add up what the kernels of the last submission took.
     fn collect_times(&mut self) -> Result<()> {
-        if let Some(timer) = &mut self.timer {
-            timer.collect(&self.context, &mut self.staging)?;
+        match &mut self.timer {
+            Some(timer) => timer.collect(&self.context),
+            None => Ok(()),
         }
-        Ok(())
-    }
-
-    /// What the kernels reported of a batch: adapt and say so where it must be rendered again.
-    fn must_repeat(&mut self, words: &[u32]) -> Result<bool> {
-        check_traversal(words)?;
-        let unfinished = words[status::UNFINISHED as usize] > 0;
-        let stored = words[status::LANE_STORED_MAX as usize];
-        let cut = words[status::LOOP_CUT as usize] > 0;
-        if !unfinished && stored == 0 && !cut {
-            return Ok(false);
-        }
-        for kind in [MapKind::Caustic, MapKind::Diffuse] {
-            if let Some(shape) = self.shapes.of_mut(kind) {
-                if unfinished {
-                    shape.dispatches = (shape.dispatches * 2).min(DISPATCHES_MAX);
-                }
-                if stored > shape.lane_capacity {
-                    shape.lane_capacity = roomy(stored);
-                }
-                if cut {
-                    // the driver ended a loop early: fewer jotons a pass make shorter loops
-                    shape.emitted = (shape.emitted / 2).max(1);
-                    shape.lanes = shape.lanes.min(shape.emitted);
-                }
-            }
-        }
-        // where that is too much, the map has fewer jotons
-        while let Err(e) = self.needs().fits() {
-            let largest =
-                MapKind::ALL.into_iter().max_by_key(|k| self.shapes.of(*k).map_or(0, |s| s.max_stored()));
-            match largest.and_then(|kind| self.shapes.of_mut(kind).as_mut()) {
-                Some(shape) if shape.emitted > 1 => *shape = shape.halved(),
-                _ => return Err(e),
-            }
-        }
-        self.bind()?;
-        Ok(true)
     }
 }
 
@@ -367,6 +343,7 @@ impl Backend for GpuBackend {
     }
 
     fn set_tile_schedule(&mut self, schedule: &TileSchedule) -> bool {
+        self.forget_begun();
         let (tiles, words) = Tiles::new(schedule.clone());
         self.tiles = tiles;
         self.context.queue.write_buffer(&self.buffers["tiles"], 0, bytemuck::cast_slice(&words));
@@ -378,75 +355,20 @@ impl Backend for GpuBackend {
     }
 
     fn set_split_paths(&mut self, glints: SplitPaths) -> Result<()> {
+        self.forget_begun();
         self.upload_glints(glints)
     }
 
+    fn works_beside_host(&self) -> bool {
+        !self.context.is_software()
+    }
+
+    fn begin(&mut self, first: u64, count: u32) -> Result<()> {
+        self.begin_batch(first, count)
+    }
+
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
-        let mut tries = 0;
-        // what lies above and below is at rest
-        let rows = self.tiles.tile_schedule().rows(first, u64::from(count));
-        let (mut layers, words, tallies) = loop {
-            tries += 1;
-            if tries > BATCH_TRIES {
-                let what = format!("{}: passes {first} and on do not come out whole", self.context.info.name);
-                return Err(Error::device(what, "use --device cpu and report this as a bug of joton"));
-            }
-            self.clear_films(&rows);
-            for pass in first..first + u64::from(count) {
-                self.submit_pass(pass)?;
-            }
-            self.context.wait()?;
-            let begin = Instant::now();
-            let traced: Vec<usize> = self.traced_films().map(|(layer, _)| layer as usize).collect();
-            let width = self.scene.size[0] as usize;
-            // strips have been read before
-            let rows = if self.strips.count() > 1 { 0..0 } else { rows.clone() };
-            let read = rows.start * width..rows.end * width;
-            let mut layers = self.spare.black_but(self.scene.pixels(), read.clone());
-            let mut staging = self.staging.take();
-            let counts = ["status", "tallies_caustic", "tallies_diffuse"].map(|name| &self.buffers[name]);
-            let mut sources: Vec<_> = counts.into_iter().map(|b| (b, 0..b.size())).collect();
-            sources.extend(self.film_parts(&rows));
-            let mut counted: Vec<Vec<u8>> = Vec::new();
-            self.context.look_at(&mut staging, &sources, |i, bytes| match i.checked_sub(counts.len()) {
-                None => counted.push(bytes.to_vec()),
-                Some(film) => {
-                    films::put(&mut layers[traced[film]][read.clone()], bytes);
-                }
-            })?;
-            self.staging = staging;
-            self.host.add(HostWork::ReadingBack, begin.elapsed());
-            let words: Vec<u32> = bytemuck::pod_collect_to_vec(&counted[0]);
-            if !self.must_repeat(&words)? {
-                break (self.strip_films.take().unwrap_or(layers), words, counted);
-            }
-        };
-        let mut tally = Tally::default();
-        self.host.time(HostWork::ReadingBack, || films::keep_finite(&mut layers, &mut tally.non_finite));
-        let t = &mut tally;
-        t.rays = status::rays(&words);
-        t.shadow_rays_saved = status::shadow_rays_saved(&words);
-        t.pixels_rested =
-            (first..first + u64::from(count)).map(|p| self.tiles.tile_schedule().pixels_resting(p)).sum();
-        t.truncated = u64::from(words[status::TRUNCATED as usize]);
-        let emitted = |s: Option<MapLayout>| s.map_or(0, |s| u64::from(s.emitted)) * u64::from(count);
-        t.jotons_emitted = emitted(self.shapes.caustic) + emitted(self.shapes.diffuse);
-        for (i, bytes) in tallies[1..].iter().enumerate() {
-            let lanes: Vec<LaneTally> = bytemuck::pod_collect_to_vec(bytes);
-            for lane in &lanes {
-                t.rays += u64::from(lane.rays);
-                t.jotons_stored += u64::from(lane.stored);
-                t.jotons_not_stored += u64::from(lane.not_stored);
-                if i == MapKind::Diffuse as usize {
-                    for b in 0..BANDS {
-                        t.emitted[b] += f64::from(lane.emitted[b]);
-                        t.absorbed[b] += f64::from(lane.absorbed[b]);
-                        t.escaped[b] += f64::from(lane.escaped[b]);
-                    }
-                }
-            }
-        }
-        Ok(Batch { layers, tally })
+        self.render_batch(first, count)
     }
 
     fn reuse(&mut self, batch: Batch) {

@@ -1,13 +1,13 @@
 //! Recorder: dispatches of a submission, one compute pass each, with timestamps where they are wanted.
 
-use super::context::Context;
+use super::context::{Context, Copy};
 use super::kernel::{BoundKernel, Offsets};
 use super::ring::Ring;
 use super::tiles::{BINDING_BYTES, TILES_PER_DISPATCH};
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-/// Timestamps of one submission, at most: WebGPU's limit of a query set.
+/// Timestamps that wait to be read, at most: WebGPU's limit of a query set.
 const QUERIES: u32 = 4096;
 
 /// Seconds and dispatches of each kernel.
@@ -17,8 +17,15 @@ pub(super) type KernelSeconds = BTreeMap<String, (f64, u64)>;
 pub(super) struct Timer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
+    /// What was dispatched since they were resolved last.
     labels: Vec<String>,
     seconds: KernelSeconds,
+}
+
+/// Times of dispatches on their way to the host, and the names of these.
+pub(super) struct Timed {
+    labels: Vec<String>,
+    copy: Copy,
 }
 
 impl Timer {
@@ -41,23 +48,60 @@ impl Timer {
         Some(Self { queries, resolved, labels: Vec::new(), seconds: KernelSeconds::new() })
     }
 
-    /// Add up what the last submissions took.
+    /// Whether those of another pass may not fit.
+    pub(super) fn is_nearly_full(&self) -> bool {
+        self.labels.len() as u32 > QUERIES / 4
+    }
+
+    /// Record a copy of the times of all dispatches so far; none where there are none.
+    pub(super) fn copy_out(
+        &mut self,
+        context: &Context,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Option<Timed> {
+        let count = self.labels.len() as u32 * 2;
+        if count == 0 {
+            return None;
+        }
+        encoder.resolve_query_set(&self.queries, 0..count, &self.resolved, 0);
+        let copy = context.copy_out(None, &[(&self.resolved, 0..u64::from(count) * 8)], encoder);
+        Some(Timed { labels: std::mem::take(&mut self.labels), copy })
+    }
+
+    /// Wait for times that were handed over, and add them up.
     ///
     /// # Errors
     /// [`crate::Error::Device`] where reading back fails.
-    pub(super) fn collect(&mut self, context: &Context, staging: &mut Option<wgpu::Buffer>) -> Result<()> {
-        if self.labels.is_empty() {
-            return Ok(());
-        }
-        let bytes = context.read(staging, &[&self.resolved])?;
-        let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes[0]);
+    pub(super) fn add(
+        &mut self,
+        context: &Context,
+        Timed { labels, copy }: Timed,
+        submission: wgpu::SubmissionIndex,
+    ) -> Result<()> {
+        let mut ticks: Vec<u64> = Vec::new();
+        context.see_copy(copy, submission, &mut |_, bytes| ticks = bytemuck::pod_collect_to_vec(bytes))?;
         let period = f64::from(context.queue.get_timestamp_period()) * 1e-9;
-        for (label, pair) in self.labels.drain(..).zip(ticks.chunks_exact(2)) {
+        for (label, pair) in labels.into_iter().zip(ticks.chunks_exact(2)) {
             let entry = self.seconds.entry(label).or_default();
             entry.0 += pair[1].saturating_sub(pair[0]) as f64 * period;
             entry.1 += 1;
         }
         Ok(())
+    }
+
+    /// Wait, and add up what the last submissions took.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where reading back fails.
+    pub(super) fn collect(&mut self, context: &Context) -> Result<()> {
+        let mut encoder = context.encoder();
+        match self.copy_out(context, &mut encoder) {
+            Some(timed) => {
+                let submission = context.queue.submit([encoder.finish()]);
+                self.add(context, timed, submission)
+            }
+            None => Ok(()),
+        }
     }
 
     /// Seconds and dispatches so far.
@@ -85,7 +129,15 @@ pub(super) struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     /// Start recording.
     pub(super) fn new(context: &Context, ring: &'a mut Ring, timer: Option<&'a mut Timer>) -> Self {
-        let encoder = context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        Self::after(context.encoder(), ring, timer)
+    }
+
+    /// Go on after what was recorded.
+    pub(super) fn after(
+        encoder: wgpu::CommandEncoder,
+        ring: &'a mut Ring,
+        timer: Option<&'a mut Timer>,
+    ) -> Self {
         ring.clear();
         Self { encoder, ring, timer }
     }
@@ -144,15 +196,15 @@ impl<'a> Recorder<'a> {
         step.dispatch_groups(&mut pass, offsets, groups);
     }
 
-    /// Hand everything to the queue.
-    pub(super) fn submit(mut self, context: &Context, ring_buffer: &wgpu::Buffer) {
-        if let Some(timer) = &self.timer
-            && !timer.labels.is_empty()
-        {
-            let count = timer.labels.len() as u32 * 2;
-            self.encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
-        }
+    /// What was recorded. Its uniforms are on their way: it is handed over before any others are.
+    pub(super) fn finish(self, context: &Context, ring_buffer: &wgpu::Buffer) -> wgpu::CommandEncoder {
         self.ring.write(context, ring_buffer);
-        context.queue.submit([self.encoder.finish()]);
+        self.encoder
+    }
+
+    /// Hand everything to the queue.
+    pub(super) fn submit(self, context: &Context, ring_buffer: &wgpu::Buffer) {
+        let encoder = self.finish(context, ring_buffer);
+        context.queue.submit([encoder.finish()]);
     }
 }
