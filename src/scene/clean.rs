@@ -2,7 +2,7 @@
 //!
 //! reads   any OBJ text
 //! writes  the same surfaces as `v`, `vn` and `f p//n` alone, with absolute indices, and, per face, its line and
-//!         its material's name
+//!         its material's name and the objects and groups that it is part of, where these are asked for
 //!
 //! The parser behind it then meets nothing that it refuses or misreads, and faults are named with file and line,
 //! which it cannot do. Normal 1 of the output is the zero vector: faces without normals refer to it.
@@ -10,12 +10,15 @@
 use super::text;
 use super::warnings::Warnings;
 use crate::{Error, Result};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::path::Path;
 
 /// Index, from 1, of the zero normal that stands for "flat".
 const NO_NORMAL: usize = 1;
+
+/// Names of objects and groups that are remembered, to tell what else could be meant.
+const OBJECT_NAMES: usize = 1000;
 
 /// A checked OBJ file.
 #[derive(Debug, Default)]
@@ -26,6 +29,10 @@ pub(crate) struct Clean {
     pub(crate) faces: Vec<Face>,
     /// Names after `usemtl`, each once.
     pub(crate) materials: Vec<String>,
+    /// Objects and groups that were asked for, as faces are parts of them: an object first, then the groups.
+    pub(crate) parts: Vec<Vec<String>>,
+    /// Objects and groups that are there, the first so many, where any were asked for.
+    pub(crate) object_names: Vec<String>,
     /// `mtllib` statements: line and what follows.
     pub(crate) libraries: Vec<(usize, String)>,
 }
@@ -37,6 +44,8 @@ pub(crate) struct Face {
     pub(crate) line: usize,
     /// Index into [`Clean::materials`], or none before the first `usemtl`.
     pub(crate) material: Option<usize>,
+    /// Index into [`Clean::parts`].
+    pub(crate) part: usize,
 }
 
 /// How many vertices and normals there are: so far, and in the whole file (an index may point ahead).
@@ -46,8 +55,13 @@ struct Counts {
     normals: usize,
 }
 
-/// Checks and rewrites an OBJ file.
-pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Result<Clean> {
+/// Checks and rewrites an OBJ file. Of its objects and groups those in `wanted` are told.
+pub(crate) fn clean(
+    source: &str,
+    path: &Path,
+    wanted: &HashSet<&str>,
+    warnings: &mut Warnings,
+) -> Result<Clean> {
     let mut all = Counts::default();
     for statement in text::statements(source) {
         match statement.split().0 {
@@ -56,10 +70,13 @@ pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Resul
             _ => {}
         }
     }
-    let mut out = Clean { text: "vn 0 0 0\n".to_owned(), ..Clean::default() };
+    let mut out = Clean { text: "vn 0 0 0\n".to_owned(), parts: vec![Vec::new()], ..Clean::default() };
     let mut so_far = Counts::default();
-    let mut material = None;
+    let (mut material, mut part) = (None, 0);
     let mut index_of: HashMap<String, usize> = HashMap::new();
+    let (mut object, mut groups): (Option<String>, Vec<String>) = Default::default();
+    let mut part_of = HashMap::from([(Vec::new(), 0)]);
+    let is_wanted = |name: &&str| wanted.contains(name);
     let mut ignored = |line, what: &str| warnings.add(path, Some(line), what);
     for statement in text::statements(source) {
         let line = statement.line;
@@ -92,7 +109,7 @@ pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Resul
                         ignored(line, "face refers to normals that do not exist; it is flat");
                     }
                     write_face(&mut out.text, &corners);
-                    out.faces.push(Face { line, material });
+                    out.faces.push(Face { line, material, part });
                 }
                 Err(fault) => {
                     let remedy = match all.positions {
@@ -112,10 +129,27 @@ pub(crate) fn clean(source: &str, path: &Path, warnings: &mut Warnings) -> Resul
                     }
                 });
             }
+            "o" | "g" if !wanted.is_empty() => {
+                if out.object_names.len() < OBJECT_NAMES {
+                    out.object_names.push(rest.to_owned());
+                }
+                if key == "o" {
+                    object = Some(rest).filter(is_wanted).map(str::to_owned);
+                } else {
+                    // the whole may be one name with spaces
+                    let names = words(rest).filter(|word| *word != rest).chain([rest]);
+                    groups = names.filter(is_wanted).map(str::to_owned).collect();
+                }
+                let names: Vec<String> = object.iter().chain(&groups).cloned().collect();
+                part = *part_of.entry(names.clone()).or_insert_with(|| {
+                    out.parts.push(names);
+                    out.parts.len() - 1
+                });
+            }
             "mtllib" => out.libraries.push((line, rest.to_owned())),
             "l" | "p" => ignored(line, "lines and points are ignored"),
             "curv" | "curv2" | "surf" => ignored(line, "free-form curves and surfaces are ignored"),
-            _ => {} // o, g, s, vt and whatever else has no bearing on light
+            _ => {} // o and g that nobody asked for, s, vt and whatever else has no bearing on light
         }
     }
     Ok(out)

@@ -1,23 +1,17 @@
 //! Load: a scene file or a mesh file becomes a validated [`Scene`].
 
-use super::glass::{self, Origin};
-use super::mtl::RawMaterial;
+use super::assembly::Assembly;
 use super::obj::{self, ObjFile};
 use super::scene_file::{self, DEFAULT_SIZE, MeshEntry};
-use super::warnings::{Named, Warnings, listed};
-use super::{Camera, Light, Material, Mesh, Scene, frame, rule, text, validate};
+use super::transform::Transform;
+use super::warnings::Warnings;
+use super::{Camera, Light, Scene, frame, validate};
 use crate::host::files;
 use crate::spectrum::BANDS;
 use crate::{Error, Result};
-use glam::DVec3;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
-
-/// Names that an error lists.
-const NAMES_TOLD: usize = 20;
-/// Name of the material of faces that name none.
-const UNNAMED: &str = "(none)";
+use std::path::Path;
 
 /// Reads a scene: a `.toml` scene file, or an `.obj` alone, whose camera is then framed automatically.
 ///
@@ -56,21 +50,32 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     let description = scene_file::read(path)?;
     let mut assembly = Assembly::new(&description.materials);
     // a file that is placed many times is read once
-    let mut files: HashMap<&Path, Opened> = HashMap::new();
+    let mut files: HashMap<&Path, ObjFile> = HashMap::new();
     for entry in &description.meshes {
-        let opened = match files.entry(&entry.file) {
+        let file = match files.entry(&entry.file) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(new) => {
-                let file = read_mesh(entry, path, &mut warnings)?;
-                new.insert(assembly.open(file, &entry.file, &mut warnings)?)
-            }
+            Entry::Vacant(new) => new.insert(read_mesh(entry, path, &assembly.objects(), &mut warnings)?),
         };
-        let mesh = opened.file.place(entry.scale, entry.translate, &mut warnings)?;
-        assembly.add(mesh, opened.first_material, &entry.file)?;
+        let mut mesh = file.place(&entry.transform, &mut warnings)?;
+        let first_material = match assembly.made_of(&entry.material, path, entry.line, &mut warnings)? {
+            Some(material) => {
+                mesh.triangles.iter_mut().for_each(|t| t.material = 0);
+                material
+            }
+            None => assembly.materials_of(file, &entry.file, &mut warnings)?,
+        };
+        assembly.add(mesh, first_material, &entry.file)?;
     }
-    drop(files);
-    assembly.check_overrides()?;
-    let files = [vec![path.to_owned()], std::mem::take(&mut assembly.files)].concat();
+    for entry in &description.shapes {
+        let material = assembly.made_of(&entry.material, path, entry.line, &mut warnings)?;
+        let material = material.unwrap_or_else(|| assembly.grey(path, entry.line));
+        let mut mesh = entry.shape.mesh();
+        mesh.positions.iter_mut().for_each(|p| *p += entry.center);
+        assembly.add(entry.transform.mesh(mesh), material, path)?;
+    }
+    assembly.check_overrides(files.values())?;
+    let read = files.into_values().flat_map(|file| file.files);
+    let files = std::iter::once(path.to_owned()).chain(read).collect();
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     validate::light(path, &mesh, &materials, &description.lights)?;
@@ -90,10 +95,11 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
 fn load_obj(path: &Path) -> Result<Scene> {
     let mut warnings = Warnings::default();
     let mut assembly = Assembly::new(&[]);
-    let opened = assembly.open(obj::read(path, &mut warnings)?, path, &mut warnings)?;
-    let mesh = opened.file.place(1.0, DVec3::ZERO, &mut warnings)?;
-    assembly.add(mesh, opened.first_material, path)?;
-    let files = std::mem::take(&mut assembly.files);
+    let file = obj::read(path, &HashSet::new(), &mut warnings)?;
+    let mesh = file.place(&Transform::identity(), &mut warnings)?;
+    let first_material = assembly.materials_of(&file, path, &mut warnings)?;
+    assembly.add(mesh, first_material, path)?;
+    let files = file.files;
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     let size = DEFAULT_SIZE;
@@ -112,7 +118,12 @@ fn headlight(camera: &Camera) -> Light {
     Light::Point { position: camera.position, intensity: [intensity as f32; BANDS] }
 }
 
-fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result<ObjFile> {
+fn read_mesh(
+    entry: &MeshEntry,
+    scene: &Path,
+    objects: &HashSet<&str>,
+    warnings: &mut Warnings,
+) -> Result<ObjFile> {
     let extension = entry.file.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     if extension.as_deref() != Some("obj") {
         let what = format!("mesh file {} is not of a known format", entry.file.display());
@@ -126,175 +137,5 @@ fn read_mesh(entry: &MeshEntry, scene: &Path, warnings: &mut Warnings) -> Result
         let what = format!("mesh file {} is a {kind}", entry.file.display());
         return Err(Error::scene(scene, Some(entry.line), what, "name a file"));
     }
-    obj::read(&entry.file, warnings)
-}
-
-/// A mesh file whose materials are looked up.
-struct Opened {
-    file: ObjFile,
-    /// Where its materials begin.
-    first_material: u32,
-}
-
-/// Meshes put together, with the materials that they use.
-struct Assembly<'a> {
-    mesh: Mesh,
-    materials: Vec<Material>,
-    /// For each material where it is used first.
-    origins: Vec<Origin>,
-    overrides: &'a [RawMaterial],
-    /// Overrides by name, in their order.
-    overrides_of: HashMap<&'a str, Vec<&'a RawMaterial>>,
-    /// Names of materials that some face uses, each once.
-    used: Vec<String>,
-    is_used: HashSet<String>,
-    /// Files that were read.
-    files: Vec<PathBuf>,
-}
-
-impl<'a> Assembly<'a> {
-    fn new(overrides: &'a [RawMaterial]) -> Self {
-        let mut overrides_of: HashMap<&str, Vec<&RawMaterial>> = HashMap::new();
-        for stated in overrides {
-            overrides_of.entry(&stated.name).or_default().push(stated);
-        }
-        let (mesh, materials, origins, used, is_used, files) = Default::default();
-        Self { mesh, materials, origins, overrides, overrides_of, used, is_used, files }
-    }
-
-    /// The whole, its glass settled.
-    fn finish(mut self, warnings: &mut Warnings) -> (Mesh, Vec<Material>) {
-        glass::settle(&mut self.mesh, &mut self.materials, &self.origins, warnings);
-        (self.mesh, self.materials)
-    }
-
-    /// Looks up the materials of a file.
-    fn open(&mut self, file: ObjFile, path: &Path, warnings: &mut Warnings) -> Result<Opened> {
-        let mut index_of: HashMap<&str, &RawMaterial> = HashMap::new();
-        for raw in &file.library {
-            index_of.insert(&raw.name, raw);
-            // A comment may follow the name.
-            if let Some((name, _)) = raw.name.split_once(" #") {
-                index_of.entry(name.trim()).or_insert(raw);
-            }
-        }
-        let first_material = self.materials.len() as u32;
-        for (name, line) in &file.materials {
-            let (material, thin) = self.material(name.as_deref(), *line, &index_of, path, warnings)?;
-            self.materials.push(material);
-            self.origins.push(Origin { file: path.to_owned(), line: *line, thin });
-        }
-        self.files.extend(file.files.iter().cloned());
-        Ok(Opened { file, first_material })
-    }
-
-    fn add(&mut self, mesh: Mesh, first_material: u32, path: &Path) -> Result<()> {
-        let offset = |count: usize| {
-            u32::try_from(count).map_err(|_| {
-                Error::scene(path, None, "more than 4 294 967 295 vertices", "use fewer or smaller meshes")
-            })
-        };
-        offset(self.mesh.positions.len() + mesh.positions.len())?;
-        offset(self.mesh.normals.len() + mesh.normals.len())?;
-        let first_vertex = offset(self.mesh.positions.len())?;
-        let first_normal = offset(self.mesh.normals.len())?;
-        self.mesh.positions.extend(mesh.positions);
-        self.mesh.normals.extend(mesh.normals);
-        self.mesh.triangles.extend(mesh.triangles.into_iter().map(|mut t| {
-            t.vertex = t.vertex.map(|v| v + first_vertex);
-            t.normal = t.normal.map(|n| n.map(|n| n + first_normal));
-            t.material += first_material;
-            t
-        }));
-        Ok(())
-    }
-
-    fn material(
-        &mut self,
-        name: Option<&str>,
-        line: usize,
-        library: &HashMap<&str, &RawMaterial>,
-        path: &Path,
-        warnings: &mut Warnings,
-    ) -> Result<(Material, Option<bool>)> {
-        let Some(name) = name else {
-            warnings.add(path, Some(line), "faces without a material are matte grey 0.5");
-            return Ok((Material::matte(UNNAMED, rule::GREY), None));
-        };
-        let name_alone = name.split_once(" #").map_or(name, |(name, _)| name.trim());
-        let defined = library.get(name).or_else(|| library.get(name_alone)).copied();
-        if self.is_used.insert(name.to_owned()) {
-            self.used.push(name.to_owned());
-        }
-        let mut raw = defined.cloned();
-        for &stated in self.overrides_of.get(name).into_iter().flatten() {
-            raw = Some(match raw {
-                Some(raw) if stated.kind.is_none() => raw.overridden_by(stated),
-                _ => stated.clone(),
-            });
-        }
-        match raw {
-            Some(raw) => {
-                let material = rule::material(&raw, warnings)?;
-                if let Some(thin) = raw.thin.filter(|_| material.dielectric.is_none()) {
-                    let what = format!("material \"{name}\": thin says nothing of what is no glass");
-                    warnings.add(&raw.file, Some(thin.line), what);
-                }
-                Ok((material, raw.thin.map(|thin| thin.value)))
-            }
-            None => {
-                let kind = Named {
-                    noun: ["material", "materials"],
-                    what: [
-                        " is not defined; it is matte grey 0.5",
-                        " are not defined; they are matte grey 0.5",
-                    ],
-                };
-                let hint = || {
-                    let near = text::did_you_mean(name, library.keys().copied());
-                    near.map_or(String::new(), |near| format!(" (did you mean \"{near}\"?)"))
-                };
-                warnings.add_named(path, Some(line), kind, name, hint);
-                Ok((Material::matte(name, rule::GREY), None))
-            }
-        }
-    }
-
-    /// An override that meets no material is a slip.
-    fn check_overrides(&self) -> Result<()> {
-        let Some(lost) = self.overrides.iter().find(|o| !self.is_used.contains(&o.name)) else {
-            return Ok(());
-        };
-        let remedy = match text::did_you_mean(&lost.name, self.used.iter().map(String::as_str)) {
-            Some(near) => format!("did you mean \"{near}\"?"),
-            None => {
-                let told = &self.used[..self.used.len().min(NAMES_TOLD)];
-                format!("materials in use are {}", listed(told, self.used.len()))
-            }
-        };
-        let what = format!("no mesh uses material \"{}\"", lost.name);
-        Err(Error::scene(&lost.file, Some(lost.line), what, remedy))
-    }
-}
-
-impl RawMaterial {
-    /// This material with what another states in place of its own.
-    fn overridden_by(self, other: &RawMaterial) -> RawMaterial {
-        let textured = if other.kd.is_some() { None } else { self.map_kd };
-        RawMaterial {
-            file: other.file.clone(),
-            line: other.line,
-            thin: other.thin.or(self.thin),
-            kd: other.kd.or(self.kd),
-            ks: other.ks.or(self.ks),
-            ke: other.ke.or(self.ke),
-            tf: other.tf.or(self.tf),
-            ni: other.ni.or(self.ni),
-            // Either of exponent and roughness replaces both.
-            ns: other.ns.or(if other.pr.is_some() { None } else { self.ns }),
-            pr: other.pr.or(if other.ns.is_some() { None } else { self.pr }),
-            map_kd: textured,
-            ..self
-        }
-    }
+    obj::read(&entry.file, objects, warnings)
 }

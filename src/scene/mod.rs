@@ -1,5 +1,6 @@
 //! Scene: what is to be rendered; validated, free of any backend, in the user's world units (f64).
 
+mod assembly;
 mod camera;
 mod clean;
 mod ears;
@@ -13,8 +14,10 @@ mod obj;
 mod polygon;
 mod rule;
 mod scene_file;
+mod shape;
 mod table;
 mod text;
+mod transform;
 mod validate;
 mod warnings;
 mod weld;

@@ -5,13 +5,14 @@
 
 use super::clean::{self, Clean};
 use super::mtl::{self, Finder, RawMaterial};
+use super::transform::Transform;
 use super::warnings::{Named, Warnings};
 use super::{Mesh, Triangle, polygon, text};
 use crate::host::files;
 use crate::{Error, Result};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// A triangle whose area is below this share of its longest edge squared is a line to f64 rounding.
@@ -31,45 +32,73 @@ pub(crate) struct ObjFile {
     clean: Clean,
     parsed: Option<tobj::Mesh>,
     normals: Vec<DVec3>,
-    /// For each material of the file its place in `materials`.
-    index_of: FxHashMap<Option<usize>, u32>,
-    /// Materials in order of first use: name (none before any `usemtl`) and the line of the first face.
-    pub(crate) materials: Vec<(Option<String>, usize)>,
+    /// For each material of the file, in each part that was asked for, its place in `materials`.
+    index_of: FxHashMap<(Option<usize>, usize), u32>,
+    /// Materials in order of first use.
+    pub(crate) materials: Vec<UsedMaterial>,
     /// All that the material libraries define.
     pub(crate) library: Vec<RawMaterial>,
+    /// Objects and groups, where any were asked for.
+    pub(crate) object_names: Vec<String>,
     /// The files that were read: the mesh and its material libraries.
     pub(crate) files: Vec<PathBuf>,
 }
 
-/// Reads an OBJ file and its libraries.
-pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<ObjFile> {
+/// A material as faces use it.
+#[derive(Debug, Clone)]
+pub(crate) struct UsedMaterial {
+    /// Its name; none before any `usemtl`.
+    pub(crate) name: Option<String>,
+    /// The object and the groups of these faces, those that were asked for.
+    pub(crate) objects: Vec<String>,
+    /// Line of the first of them.
+    pub(crate) line: usize,
+}
+
+/// Reads an OBJ file and its libraries. Of its objects and groups those in `wanted` are told apart.
+pub(crate) fn read(path: &Path, wanted: &HashSet<&str>, warnings: &mut Warnings) -> Result<ObjFile> {
     let source = text::read(path)?;
-    let mut clean = clean::clean(&source, path, warnings)?;
+    let mut clean = clean::clean(&source, path, wanted, warnings)?;
     files::check_memory(path, clean.faces.len() as u64 * MEMORY_PER_FACE)?;
     let mut files = vec![path.to_owned()];
     let library = libraries(&clean, path, &mut files, warnings);
     let parsed = if clean.faces.is_empty() { None } else { Some(parse(&clean.text, path)?) };
     clean.text = String::new();
-    let mut index_of: FxHashMap<Option<usize>, u32> = FxHashMap::default();
-    let mut materials: Vec<(Option<String>, usize)> = Vec::new();
+    let object_names = std::mem::take(&mut clean.object_names);
+    let mut index_of: FxHashMap<_, u32> = FxHashMap::default();
+    let mut materials: Vec<UsedMaterial> = Vec::new();
     for face in &clean.faces {
-        index_of.entry(face.material).or_insert_with(|| {
-            materials.push((face.material.map(|m| clean.materials[m].clone()), face.line));
+        index_of.entry((face.material, face.part)).or_insert_with(|| {
+            materials.push(UsedMaterial {
+                name: face.material.map(|m| clean.materials[m].clone()),
+                objects: clean.parts[face.part].clone(),
+                line: face.line,
+            });
             materials.len() as u32 - 1
         });
     }
     let given = parsed.iter().flat_map(|p: &tobj::Mesh| p.normals.as_chunks::<3>().0);
     let normals = given.map(|&n| DVec3::from(n)).collect();
-    Ok(ObjFile { path: path.to_owned(), clean, parsed, normals, index_of, materials, library, files })
+    Ok(ObjFile {
+        path: path.to_owned(),
+        clean,
+        parsed,
+        normals,
+        index_of,
+        materials,
+        library,
+        object_names,
+        files,
+    })
 }
 
 impl ObjFile {
-    /// The triangles, with `scale` · position + `translate`; [`Triangle::material`] indexes `materials`.
-    pub(crate) fn place(&self, scale: f64, translate: DVec3, warnings: &mut Warnings) -> Result<Mesh> {
+    /// The triangles where they stand; [`Triangle::material`] indexes `materials`.
+    pub(crate) fn place(&self, transform: &Transform, warnings: &mut Warnings) -> Result<Mesh> {
         let path = &self.path;
         let mut builder = Builder { path, mesh: Mesh::default(), normal_of: FxHashMap::default(), warnings };
         let Some(parsed) = &self.parsed else { return Ok(builder.mesh) };
-        let placed = |&p: &[f64; 3]| DVec3::from(p) * scale + translate;
+        let placed = |&p: &[f64; 3]| transform.position(DVec3::from(p));
         builder.mesh.positions = parsed.positions.as_chunks::<3>().0.iter().map(placed).collect();
         if builder.mesh.positions.iter().any(|p| p.abs().max_element() > MAX_COORDINATE) {
             let remedy = "use a larger unit of length";
@@ -80,18 +109,22 @@ impl ObjFile {
                 remedy,
             ));
         }
+        let normals: Vec<DVec3> = self.normals.iter().map(|n| transform.normal(*n)).collect();
+        let mirrors = transform.mirrors();
         let mut start = 0;
         // tobj leaves the arities out where all faces are triangles.
         let arities = parsed.face_arities.iter().copied().chain(std::iter::repeat(3));
         for (face, arity) in self.clean.faces.iter().zip(arities) {
             let end = start + arity as usize;
-            builder.face(
-                face.line,
-                &parsed.indices[start..end],
-                &parsed.normal_indices[start..end],
-                &self.normals,
-                self.index_of[&face.material],
-            );
+            let material = self.index_of[&(face.material, face.part)];
+            let corners = [&parsed.indices, &parsed.normal_indices].map(|indices| &indices[start..end]);
+            if mirrors {
+                let [vertices, normal_of] = corners.map(|c| c.iter().rev().copied().collect::<Vec<_>>());
+                builder.face(face.line, &vertices, &normal_of, &normals, material);
+            } else {
+                let [vertices, normal_of] = corners;
+                builder.face(face.line, vertices, normal_of, &normals, material);
+            }
             start = end;
         }
         Ok(builder.mesh)

@@ -1,4 +1,4 @@
-//! Scene file: reads the TOML that names meshes, camera, film, lights and materials (docs/SCENE.md).
+//! Scene file: reads the TOML that names meshes, shapes, camera, film, lights and materials (docs/SCENE.md).
 //!
 //! reads   TOML text
 //! writes  a [`Description`]: typed, every key known, not yet looked up or put together
@@ -6,8 +6,10 @@
 use super::camera::CameraEntry;
 use super::light::{self, Light};
 use super::mtl::{At, Kind, RawMaterial};
-use super::table::{Table, parse};
+use super::shape::Shape;
+use super::table::{Table, TextOrTable, parse};
 use super::text::{self, Lines};
+use super::transform::Transform;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -26,10 +28,41 @@ pub(crate) struct Description {
     pub(crate) size: [u32; 2],
     /// Mesh files in order.
     pub(crate) meshes: Vec<MeshEntry>,
+    /// Shapes in order.
+    pub(crate) shapes: Vec<ShapeEntry>,
     /// Lights in order.
     pub(crate) lights: Vec<Light>,
     /// Materials that override or define.
-    pub(crate) materials: Vec<RawMaterial>,
+    pub(crate) materials: Vec<MaterialEntry>,
+}
+
+/// `[[material]]`
+#[derive(Debug)]
+pub(crate) struct MaterialEntry {
+    /// Whose: what a mesh calls so.
+    pub(crate) of: Called,
+    /// What is stated. Its name is that of `of`.
+    pub(crate) raw: RawMaterial,
+}
+
+/// What a mesh file gives a name to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Called {
+    /// A material.
+    Material,
+    /// An object, or a group of faces.
+    Object,
+}
+
+/// What a mesh as a whole or a shape is made of.
+#[derive(Debug)]
+pub(crate) enum MadeOf {
+    /// What the file says; a shape is matte grey.
+    Nothing,
+    /// A `[[material]]`.
+    Named(At<String>),
+    /// Stated where it is used.
+    Own(Box<RawMaterial>),
 }
 
 /// `[[mesh]]`
@@ -39,10 +72,25 @@ pub(crate) struct MeshEntry {
     pub(crate) line: usize,
     /// The file.
     pub(crate) file: PathBuf,
-    /// Factor on positions.
-    pub(crate) scale: f64,
-    /// Added after scaling, world units.
-    pub(crate) translate: DVec3,
+    /// Where it stands.
+    pub(crate) transform: Transform,
+    /// One material for all of its faces.
+    pub(crate) material: MadeOf,
+}
+
+/// `[[shape]]`
+#[derive(Debug)]
+pub(crate) struct ShapeEntry {
+    /// Line of its header.
+    pub(crate) line: usize,
+    /// What it is.
+    pub(crate) shape: Shape,
+    /// Where its centre is before it is placed, world units.
+    pub(crate) center: DVec3,
+    /// Where that stands.
+    pub(crate) transform: Transform,
+    /// What it is made of.
+    pub(crate) material: MadeOf,
 }
 
 /// Reads a scene file.
@@ -51,17 +99,19 @@ pub(crate) fn read(path: &Path) -> Result<Description> {
     let root = parse(&source, path)?;
     let lines = Lines::of(&source);
     let root = Table::new(path, &lines, "the scene", root.get_ref(), root.span());
-    root.allow(&["camera", "film", "mesh", "light", "material"])?;
+    root.allow(&["camera", "film", "mesh", "shape", "light", "material"])?;
     let camera = root.table("camera")?.map(CameraEntry::read).transpose()?;
     let size = root.table("film")?.map(film).transpose()?.unwrap_or(DEFAULT_SIZE);
     let meshes = root.tables("mesh")?.into_iter().map(|t| mesh(t, path)).collect::<Result<Vec<_>>>()?;
+    let shapes = root.tables("shape")?.into_iter().map(|t| shape(t, path)).collect::<Result<Vec<_>>>()?;
     let lights = root.tables("light")?.into_iter().map(light::read).collect::<Result<Vec<_>>>()?;
     let materials =
-        root.tables("material")?.into_iter().map(|t| material(t, path)).collect::<Result<Vec<_>>>()?;
-    if meshes.is_empty() {
-        return Err(Error::scene(path, None, "no [[mesh]]", "add one: [[mesh]] with file = \"name.obj\""));
+        root.tables("material")?.into_iter().map(|t| material_entry(t, path)).collect::<Result<Vec<_>>>()?;
+    if meshes.is_empty() && shapes.is_empty() {
+        let remedy = "add one: [[mesh]] with file = \"name.obj\", or [[shape]] with kind = \"sphere\"";
+        return Err(Error::scene(path, None, "no [[mesh]] and no [[shape]]", remedy));
     }
-    Ok(Description { camera, size, meshes, lights, materials })
+    Ok(Description { camera, size, meshes, shapes, lights, materials })
 }
 
 fn film(table: Table) -> Result<[u32; 2]> {
@@ -77,24 +127,57 @@ fn film(table: Table) -> Result<[u32; 2]> {
 }
 
 fn mesh(table: Table, path: &Path) -> Result<MeshEntry> {
-    table.allow(&["file", "scale", "translate"])?;
+    table.allow(&[&["file", "material"][..], &Transform::KEYS].concat())?;
     let file = table.string("file")?;
-    let scale = table.number("scale")?.unwrap_or(At { value: 1.0, line: table.line() });
-    if scale.value <= 0.0 {
-        return Err(table.fault(scale.line, &format!("scale {}", scale.value), "give a number above 0"));
-    }
     let directory = path.parent().unwrap_or(Path::new(""));
     Ok(MeshEntry {
         line: file.line,
         file: directory.join(file.value),
-        scale: scale.value,
-        translate: table.optional_vector("translate")?.unwrap_or(DVec3::ZERO),
+        transform: Transform::read(&table)?,
+        material: made_of(&table, path, "mesh")?,
     })
 }
 
+fn shape(table: Table, path: &Path) -> Result<ShapeEntry> {
+    let (shape, center) = Shape::read(&table, &[&["material"][..], &Transform::KEYS].concat())?;
+    Ok(ShapeEntry {
+        line: table.line(),
+        shape,
+        center,
+        transform: Transform::read(&table)?,
+        material: made_of(&table, path, "shape")?,
+    })
+}
+
+/// `material` of something: the name of one, or a table. What is stated in a table has the name of what it is for.
+fn made_of(table: &Table, path: &Path, name: &str) -> Result<MadeOf> {
+    Ok(match table.text_or_table("material")? {
+        None => MadeOf::Nothing,
+        Some(TextOrTable::Text(name)) => MadeOf::Named(name),
+        Some(TextOrTable::Table(own)) => {
+            own.allow(&MATERIAL_KEYS)?;
+            MadeOf::Own(Box::new(material(&own, path, name.to_owned())?))
+        }
+    })
+}
+
+fn material_entry(table: Table, path: &Path) -> Result<MaterialEntry> {
+    table.allow(&[&["name", "object"][..], &MATERIAL_KEYS].concat())?;
+    let (of, name) = match (table.optional_string("name")?, table.optional_string("object")?) {
+        (Some(_), Some(object)) => {
+            return Err(table.fault(object.line, "both name and object", "give one of them"));
+        }
+        (None, Some(object)) => (Called::Object, object.value),
+        _ => (Called::Material, table.string("name")?.value),
+    };
+    Ok(MaterialEntry { of, raw: material(&table, path, name)? })
+}
+
+/// What may be said of a material.
+const MATERIAL_KEYS: [&str; 9] = ["type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness", "thin"];
+
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
-fn material(table: Table, path: &Path) -> Result<RawMaterial> {
-    table.allow(&["name", "type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness", "thin"])?;
+fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
     let kind = table.optional_string("type")?;
     let kind = match kind.as_ref().map(|k| (k.value.as_str(), k.line)) {
         None => None,
@@ -113,7 +196,7 @@ fn material(table: Table, path: &Path) -> Result<RawMaterial> {
     };
     let single = |value: Option<At<f64>>| value.map(|v| At { value: v.value as f32, line: v.line });
     Ok(RawMaterial {
-        name: table.string("name")?.value,
+        name,
         file: path.to_owned(),
         line: table.line(),
         kind,

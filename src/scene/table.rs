@@ -4,7 +4,7 @@ use super::mtl::At;
 use super::text::{self, Lines};
 use crate::spectrum::{BANDS, Bands, from_rgb};
 use crate::{Error, Result};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -16,6 +16,12 @@ pub(crate) fn parse<'a>(source: &'a str, path: &Path) -> Result<Spanned<DeTable<
         let line = e.span().map(|span| text::line_at(source, span.start));
         Error::scene(path, line, e.message().replace('\n', " "), "mend the TOML")
     })
+}
+
+/// What a key says by name, or itself.
+pub(crate) enum TextOrTable<'a> {
+    Text(At<String>),
+    Table(Table<'a>),
 }
 
 /// A table of a scene file.
@@ -98,6 +104,20 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A text, or a table within this one.
+    pub(crate) fn text_or_table(&self, key: &str) -> Result<Option<TextOrTable<'a>>> {
+        match self.get(key) {
+            None => Ok(None),
+            Some((DeValue::String(value), line, _)) => {
+                Ok(Some(TextOrTable::Text(At { value: value.clone().into_owned(), line })))
+            }
+            Some((DeValue::Table(entries), _, span)) => {
+                Ok(Some(TextOrTable::Table(Table::new(self.path, self.lines, key, entries, span))))
+            }
+            Some((_, line, _)) => Err(self.wrong(key, line, "a name in quotes, or a table: { … }")),
+        }
+    }
+
     /// The tables of an array of tables.
     pub(crate) fn tables(&self, key: &str) -> Result<Vec<Table<'a>>> {
         let expected = format!("an array of tables: [[{key}]]");
@@ -173,9 +193,50 @@ impl<'a> Table<'a> {
         Ok(At { value: DVec3::from(value), line })
     }
 
+    /// Three finite numbers, and their line.
+    pub(crate) fn at_vector(&self, key: &str) -> Result<Option<At<DVec3>>> {
+        if self.get(key).is_none() { Ok(None) } else { self.vector(key).map(Some) }
+    }
+
+    /// Three finite numbers, or one for all.
+    pub(crate) fn factors(&self, key: &str) -> Result<Option<At<DVec3>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let values =
+            finite(value).map(|all| [all; 3]).or_else(|| self.numbers(key).and_then(|(values, _)| values));
+        let wrong = || self.wrong(key, line, "three finite numbers: [x, y, z], or one for all");
+        values.map(|v| Some(At { value: v.into(), line })).ok_or_else(wrong)
+    }
+
+    /// Two finite numbers, or one for both.
+    pub(crate) fn sides(&self, key: &str) -> Result<Option<At<DVec2>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let values =
+            finite(value).map(|all| [all; 2]).or_else(|| self.numbers(key).and_then(|(values, _)| values));
+        let wrong = || self.wrong(key, line, "two finite numbers: [across, along], or one for both");
+        values.map(|v| Some(At { value: v.into(), line })).ok_or_else(wrong)
+    }
+
+    /// Three rows of four finite numbers; a fourth row may follow, which is that of every affine map.
+    pub(crate) fn matrix(&self, key: &str) -> Result<Option<At<[[f64; 4]; 3]>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let row = |item: &Spanned<DeValue<'a>>| -> Option<[f64; 4]> {
+            let DeValue::Array(items) = item.get_ref() else { return None };
+            let numbers: Option<Vec<f64>> = items.iter().map(|item| finite(item.get_ref())).collect();
+            numbers?.try_into().ok()
+        };
+        let rows: Option<Vec<[f64; 4]>> = match value {
+            DeValue::Array(items) => items.iter().map(row).collect(),
+            _ => None,
+        };
+        match rows.as_deref() {
+            Some([a, b, c] | [a, b, c, [0.0, 0.0, 0.0, 1.0]]) => Ok(Some(At { value: [*a, *b, *c], line })),
+            _ => Err(self.wrong(key, line, "three rows of four finite numbers: [[…, x], […, y], […, z]]")),
+        }
+    }
+
     /// Three finite numbers.
     pub(crate) fn optional_vector(&self, key: &str) -> Result<Option<DVec3>> {
-        if self.get(key).is_none() { Ok(None) } else { Ok(Some(self.vector(key)?.value)) }
+        Ok(self.at_vector(key)?.map(|v| v.value))
     }
 
     /// One number per band, or one for all; none negative.

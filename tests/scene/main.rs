@@ -9,3 +9,4 @@ mod growth;
 mod materials;
 mod meshes;
 mod scene_file;
+mod shapes;

@@ -1,0 +1,265 @@
+//! Assembly: meshes and shapes are put together, with the materials that they use.
+
+use super::glass::{self, Origin};
+use super::mtl::RawMaterial;
+use super::obj::{ObjFile, UsedMaterial};
+use super::scene_file::{Called, MadeOf, MaterialEntry};
+use super::warnings::{Named, Warnings, listed};
+use super::{Material, Mesh, rule, text};
+use crate::{Error, Result};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+/// Names that an error lists.
+const NAMES_TOLD: usize = 20;
+/// Name of the material of faces that name none.
+const UNNAMED: &str = "(none)";
+
+/// What is put together so far.
+pub(super) struct Assembly<'a> {
+    mesh: Mesh,
+    materials: Vec<Material>,
+    /// For each material where it is used first.
+    origins: Vec<Origin>,
+    overrides: &'a [MaterialEntry],
+    /// Overrides by what they are of, in their order.
+    overrides_of: HashMap<(Called, &'a str), Vec<&'a RawMaterial>>,
+    /// Materials that shapes and whole meshes name, by name.
+    named: HashMap<&'a str, u32>,
+    /// The material of the faces of each file begins at.
+    first_of: HashMap<PathBuf, u32>,
+    /// Names of materials that some face uses, each once.
+    used: Vec<String>,
+    is_used: HashSet<(Called, String)>,
+}
+
+impl<'a> Assembly<'a> {
+    pub(super) fn new(overrides: &'a [MaterialEntry]) -> Self {
+        let mut overrides_of: HashMap<_, Vec<&RawMaterial>> = HashMap::new();
+        for MaterialEntry { of, raw } in overrides {
+            overrides_of.entry((*of, raw.name.as_str())).or_default().push(raw);
+        }
+        let (mesh, materials, origins, named, first_of, used, is_used) = Default::default();
+        Self { mesh, materials, origins, overrides, overrides_of, named, first_of, used, is_used }
+    }
+
+    /// The objects and groups that something is said of.
+    pub(super) fn objects(&self) -> HashSet<&'a str> {
+        let all = self.overrides_of.keys();
+        all.filter(|(of, _)| *of == Called::Object).map(|(_, name)| *name).collect()
+    }
+
+    /// The whole, its glass settled.
+    pub(super) fn finish(mut self, warnings: &mut Warnings) -> (Mesh, Vec<Material>) {
+        glass::settle(&mut self.mesh, &mut self.materials, &self.origins, warnings);
+        (self.mesh, self.materials)
+    }
+
+    /// Where the materials of a file begin, which are looked up once.
+    pub(super) fn materials_of(
+        &mut self,
+        file: &ObjFile,
+        path: &Path,
+        warnings: &mut Warnings,
+    ) -> Result<u32> {
+        if let Some(&first) = self.first_of.get(path) {
+            return Ok(first);
+        }
+        let mut library: HashMap<&str, &RawMaterial> = HashMap::new();
+        for raw in &file.library {
+            library.insert(&raw.name, raw);
+            // A comment may follow the name.
+            if let Some((name, _)) = raw.name.split_once(" #") {
+                library.entry(name.trim()).or_insert(raw);
+            }
+        }
+        let first = self.materials.len() as u32;
+        for used in &file.materials {
+            match self.stated(used, &library, path, warnings) {
+                Some(raw) => self.push_stated(&raw, path, used.line, warnings)?,
+                None => {
+                    let name = used.name.as_deref().unwrap_or(UNNAMED);
+                    let origin = Origin { file: path.to_owned(), line: used.line, thin: None };
+                    self.push(Material::matte(name, rule::GREY), origin)
+                }
+            };
+        }
+        self.first_of.insert(path.to_owned(), first);
+        Ok(first)
+    }
+
+    /// The material that a shape or a whole mesh is said to be made of; none where nothing is said.
+    pub(super) fn made_of(
+        &mut self,
+        made_of: &'a MadeOf,
+        scene: &Path,
+        line: usize,
+        warnings: &mut Warnings,
+    ) -> Result<Option<u32>> {
+        let (name, raw) = match made_of {
+            MadeOf::Nothing => return Ok(None),
+            MadeOf::Own(raw) => return self.push_stated(raw, scene, line, warnings).map(Some),
+            MadeOf::Named(name) => match self.named.get(name.value.as_str()) {
+                Some(&known) => return Ok(Some(known)),
+                None => (name, self.overridden(None, Called::Material, &name.value)),
+            },
+        };
+        let Some(raw) = raw else {
+            let all =
+                || self.overrides.iter().filter(|o| o.of == Called::Material).map(|o| o.raw.name.as_str());
+            let remedy = match text::did_you_mean(&name.value, all()) {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => format!("add [[material]] with name = \"{}\"", name.value),
+            };
+            let what = format!("no [[material]] is called \"{}\"", name.value);
+            return Err(Error::scene(scene, Some(name.line), what, remedy));
+        };
+        let index = self.push_stated(&raw, scene, line, warnings)?;
+        self.named.insert(&name.value, index);
+        Ok(Some(index))
+    }
+
+    /// Adds the material of what says nothing of it; its number.
+    pub(super) fn grey(&mut self, path: &Path, line: usize) -> u32 {
+        self.push(Material::matte(UNNAMED, rule::GREY), Origin { file: path.to_owned(), line, thin: None })
+    }
+
+    /// Adds a material as it is stated, and tells where it is used first; its number.
+    fn push_stated(
+        &mut self,
+        raw: &RawMaterial,
+        path: &Path,
+        line: usize,
+        warnings: &mut Warnings,
+    ) -> Result<u32> {
+        let material = rule::material(raw, warnings)?;
+        if let Some(thin) = raw.thin.filter(|_| material.dielectric.is_none()) {
+            let what = format!("material \"{}\": thin says nothing of what is no glass", raw.name);
+            warnings.add(&raw.file, Some(thin.line), what);
+        }
+        let thin = raw.thin.map(|thin| thin.value);
+        Ok(self.push(material, Origin { file: path.to_owned(), line, thin }))
+    }
+
+    fn push(&mut self, material: Material, origin: Origin) -> u32 {
+        self.materials.push(material);
+        self.origins.push(origin);
+        self.materials.len() as u32 - 1
+    }
+
+    /// A material with what the scene file states of what is called so.
+    fn overridden(&mut self, raw: Option<RawMaterial>, of: Called, name: &str) -> Option<RawMaterial> {
+        if self.is_used.insert((of, name.to_owned())) && of == Called::Material {
+            self.used.push(name.to_owned());
+        }
+        let stated = self.overrides_of.get(&(of, name)).into_iter().flatten();
+        stated.fold(raw, |raw, &stated| {
+            Some(match raw {
+                Some(raw) if stated.kind.is_none() => raw.overridden_by(stated),
+                _ => stated.clone(),
+            })
+        })
+    }
+
+    /// Adds triangles whose materials begin at `first_material`.
+    pub(super) fn add(&mut self, mesh: Mesh, first_material: u32, path: &Path) -> Result<()> {
+        let offset = |count: usize| {
+            u32::try_from(count).map_err(|_| {
+                Error::scene(path, None, "more than 4 294 967 295 vertices", "use fewer or smaller meshes")
+            })
+        };
+        offset(self.mesh.positions.len() + mesh.positions.len())?;
+        offset(self.mesh.normals.len() + mesh.normals.len())?;
+        let first_vertex = offset(self.mesh.positions.len())?;
+        let first_normal = offset(self.mesh.normals.len())?;
+        self.mesh.positions.extend(mesh.positions);
+        self.mesh.normals.extend(mesh.normals);
+        self.mesh.triangles.extend(mesh.triangles.into_iter().map(|mut t| {
+            t.vertex = t.vertex.map(|v| v + first_vertex);
+            t.normal = t.normal.map(|n| n.map(|n| n + first_normal));
+            t.material += first_material;
+            t
+        }));
+        Ok(())
+    }
+
+    /// What is stated of a material that faces use; none, with a warning, where that is nothing.
+    fn stated(
+        &mut self,
+        used: &UsedMaterial,
+        library: &HashMap<&str, &RawMaterial>,
+        path: &Path,
+        warnings: &mut Warnings,
+    ) -> Option<RawMaterial> {
+        let of_objects = |this: &mut Self, raw| {
+            used.objects.iter().fold(raw, |raw, object| this.overridden(raw, Called::Object, object))
+        };
+        let Some(name) = &used.name else {
+            let raw = of_objects(self, None);
+            if raw.is_none() {
+                warnings.add(path, Some(used.line), "faces without a material are matte grey 0.5");
+            }
+            return raw;
+        };
+        let name_alone = name.split_once(" #").map_or(name.as_str(), |(name, _)| name.trim());
+        let defined = library.get(name.as_str()).or_else(|| library.get(name_alone)).copied();
+        let raw = self.overridden(defined.cloned(), Called::Material, name);
+        let raw = of_objects(self, raw);
+        if raw.is_none() {
+            let kind = Named {
+                noun: ["material", "materials"],
+                what: [" is not defined; it is matte grey 0.5", " are not defined; they are matte grey 0.5"],
+            };
+            let hint = || {
+                let near = text::did_you_mean(name, library.keys().copied());
+                near.map_or(String::new(), |near| format!(" (did you mean \"{near}\"?)"))
+            };
+            warnings.add_named(path, Some(used.line), kind, name, hint);
+        }
+        raw
+    }
+
+    /// An override that meets nothing is a slip.
+    pub(super) fn check_overrides<'f>(&self, files: impl Iterator<Item = &'f ObjFile>) -> Result<()> {
+        let is_lost = |o: &&MaterialEntry| !self.is_used.contains(&(o.of, o.raw.name.clone()));
+        let Some(MaterialEntry { of, raw: lost }) = self.overrides.iter().find(is_lost) else {
+            return Ok(());
+        };
+        let (what, names, noun) = match of {
+            Called::Material => ("uses material", self.used.clone(), "materials in use are"),
+            Called::Object => {
+                let names: BTreeSet<&String> = files.flat_map(|file| &file.object_names).collect();
+                ("has an object or group", names.into_iter().cloned().collect(), "there are")
+            }
+        };
+        let remedy = match text::did_you_mean(&lost.name, names.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None if names.is_empty() => "leave it out".to_owned(),
+            None => format!("{noun} {}", listed(&names[..names.len().min(NAMES_TOLD)], names.len())),
+        };
+        let what = format!("no mesh {what} \"{}\"", lost.name);
+        Err(Error::scene(&lost.file, Some(lost.line), what, remedy))
+    }
+}
+
+impl RawMaterial {
+    /// This material with what another states in place of its own.
+    fn overridden_by(self, other: &RawMaterial) -> RawMaterial {
+        let textured = if other.kd.is_some() { None } else { self.map_kd };
+        RawMaterial {
+            file: other.file.clone(),
+            line: other.line,
+            thin: other.thin.or(self.thin),
+            kd: other.kd.or(self.kd),
+            ks: other.ks.or(self.ks),
+            ke: other.ke.or(self.ke),
+            tf: other.tf.or(self.tf),
+            ni: other.ni.or(self.ni),
+            // Either of exponent and roughness replaces both.
+            ns: other.ns.or(if other.pr.is_some() { None } else { self.ns }),
+            pr: other.pr.or(if other.ns.is_some() { None } else { self.pr }),
+            map_kd: textured,
+            ..self
+        }
+    }
+}
