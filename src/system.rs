@@ -21,6 +21,15 @@ pub(crate) fn leave_windows_out() {
     }
 }
 
+/// Mesa's software Vulkan takes so many threads, where the user has not said how many. Call it before any other thread runs.
+pub(crate) fn limit_software_devices(threads: u16) {
+    const THREADS: &str = "LP_NUM_THREADS";
+    if std::env::var_os(THREADS).is_none() {
+        // SAFETY: the environment must not be read by another thread meanwhile; main calls this before it starts any.
+        unsafe { std::env::set_var(THREADS, threads.to_string()) };
+    }
+}
+
 /// Let `install` set handlers for signals; those that were ignored before, as `nohup` and shells do for programs in the
 /// background, are ignored again.
 #[cfg(unix)]

@@ -1,6 +1,6 @@
 //! `joton compare IMAGE REFERENCE`.
 
-use super::{DONE, OUT_OF_TOLERANCE, say};
+use super::{DONE, FAULTY, say, say_json, tell};
 use clap::Args;
 use joton::output::{self, compare, exr};
 use joton::{Error, Result};
@@ -22,6 +22,9 @@ pub(super) struct CompareArguments {
     /// Print the ratio of means for N × N regions of the image.
     #[arg(long, value_name = "N")]
     regions: Option<u32>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 pub(super) fn run(a: &CompareArguments) -> Result<u8> {
@@ -34,29 +37,41 @@ pub(super) fn run(a: &CompareArguments) -> Result<u8> {
     }
     let (image, reference) = (exr::read_image(&a.image)?, exr::read_image(&a.reference)?);
     let c = compare::compare(&image, &reference)?;
-    let ratios: Vec<String> = c.mean_ratio.iter().map(|r| format!("{r:.4}")).collect();
-    say(format_args!(
-        "relMSE {:.4e} trimmed {:.4e} MSE {:.4e} mean/ref {}",
-        c.rel_mse,
-        c.rel_mse_trimmed,
-        c.mse,
-        ratios.join(" ")
-    ));
-    if c.non_finite > 0 {
-        say(format_args!("{} pixels are not finite", c.non_finite));
-    }
-    if let Some(n) = a.regions {
-        for row in compare::region_ratios(&image, &reference, n)?.chunks(n.max(1) as usize) {
-            let cells: Vec<String> = row
-                .iter()
-                .map(|r| r.ratio.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join("/"))
-                .collect();
-            say(cells.join("  "));
+    let regions = match a.regions {
+        Some(n) => compare::region_ratios(&image, &reference, n)?,
+        None => Vec::new(),
+    };
+    let regions: Vec<_> = regions.chunks(a.regions.unwrap_or(1).max(1) as usize).collect();
+    if a.json {
+        let rows: Vec<Vec<_>> = regions.iter().map(|row| row.iter().map(|r| r.ratio).collect()).collect();
+        let mut value = serde_json::json!(c);
+        value["region_ratios"] = serde_json::json!(rows);
+        value["tolerance"] = serde_json::json!(a.tolerance);
+        say_json(&value)?;
+    } else {
+        let ratios: Vec<String> = c.mean_ratio.iter().map(|r| format!("{r:.4}")).collect();
+        say(format_args!(
+            "relMSE {:.4e} trimmed {:.4e} MSE {:.4e} mean/ref {}",
+            c.rel_mse,
+            c.rel_mse_trimmed,
+            c.mse,
+            ratios.join(" ")
+        ));
+        for row in regions {
+            let cell = |r: &compare::Region| r.ratio.map(|x| format!("{x:.3}")).join("/");
+            say(row.iter().map(cell).collect::<Vec<_>>().join("  "));
         }
     }
     if let Some(path) = &a.heatmap {
         compare::write_heatmap(path, &image, &reference)?;
     }
-    let out = c.non_finite > 0 || a.tolerance.is_some_and(|most| c.rel_mse > most || c.rel_mse.is_nan());
-    Ok(if out { OUT_OF_TOLERANCE } else { DONE })
+    let is_far = |most: &f64| c.rel_mse > *most || c.rel_mse.is_nan();
+    if c.non_finite > 0 {
+        tell(format_args!("joton: {} pixels of {} are not finite", c.non_finite, a.image.display()));
+    } else if let Some(most) = a.tolerance.filter(is_far) {
+        tell(format_args!("joton: relMSE {:.4e} is above the tolerance of {most:.4e}", c.rel_mse));
+    } else {
+        return Ok(DONE);
+    }
+    Ok(FAULTY)
 }

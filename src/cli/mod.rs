@@ -1,6 +1,7 @@
 //! The command line: arguments, one file for each command.
 
 mod bench;
+mod check;
 mod compare;
 mod device;
 mod devices;
@@ -8,9 +9,11 @@ mod export;
 mod interrupt;
 mod memory;
 mod plan;
+mod progress;
 mod render;
 mod versus;
 
+use crate::system;
 use clap::{Parser, Subcommand};
 use joton::Result;
 use joton::packed::PackedScene;
@@ -20,16 +23,28 @@ use std::sync::OnceLock;
 
 /// A progressive photon mapper that runs on the GPU.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version, about, after_help = EXAMPLES)]
 pub(crate) struct Arguments {
+    /// Threads of the host, also of software Vulkan [default: one for each processor].
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     #[command(subcommand)]
     command: Command,
 }
 
+const EXAMPLES: &str = "\
+Examples:
+  joton render scene.toml                        scene.png and scene.exr, at an error of 2 %, after a minute at most
+  joton render scene.obj --time 600 -o out.exr   ten minutes
+  joton plan scene.toml                          what will be done, and what is skipped
+  joton compare out.exr reference.exr            how far apart they are";
+
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Render a scene to EXR and PNG files.
-    Render(render::RenderArguments),
+    Render(Box<render::RenderArguments>),
+    /// Read a scene as a render would, and tell what is wrong with it.
+    Check(check::CheckArguments),
     /// Tell what a scene needs, what is skipped and why.
     Plan(plan::PlanArguments),
     /// Compare an image with a reference.
@@ -39,13 +54,13 @@ enum Command {
     /// Error over time on each device: CSV and plot.
     Bench(bench::BenchArguments),
     /// List the devices, and which one is chosen.
-    Devices,
+    Devices(devices::DevicesArguments),
 }
 
 /// Exit code of a finished command.
 const DONE: u8 = 0;
-/// Exit code of `compare` out of tolerance.
-const OUT_OF_TOLERANCE: u8 = 1;
+/// Exit code of what was judged and is not good enough: by `compare`, or by `check --strict`.
+const FAULTY: u8 = 1;
 /// Exit code after Ctrl-C, with everything so far saved.
 const INTERRUPTED: u8 = 130;
 
@@ -57,13 +72,19 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
             print(panic);
         }
     }));
+    if let Some(threads) = arguments.threads {
+        system::limit_software_devices(threads);
+        // a pool that is there already has threads enough
+        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().ok();
+    }
     let code = match arguments.command {
         Command::Render(a) => render::run(&a),
+        Command::Check(a) => check::run(&a),
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),
         Command::Export(a) => export::run(&a),
         Command::Bench(a) => bench::run(&a),
-        Command::Devices => devices::run(),
+        Command::Devices(a) => devices::run(&a),
     }?;
     check_said().map(|()| code)
 }
@@ -80,8 +101,10 @@ pub(crate) fn refuse(e: &clap::Error) -> Result<u8, String> {
     }
     let text = e.to_string();
     let told = text.split("\n\nUsage:").next().unwrap_or_default();
-    let what: Vec<&str> = told.split_whitespace().filter(|word| *word != "tip:").collect();
-    let what = what.join(" ");
+    // each tip is a sentence of its own
+    let sentences: Vec<String> =
+        told.split("tip:").map(|part| part.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    let what = sentences.join("; ");
     let what = what.trim_start_matches("error: ").trim_end_matches(" For more information, try '--help'.");
     Err(format!("{what}; try --help"))
 }
@@ -106,6 +129,20 @@ pub(crate) fn tell(line: impl std::fmt::Display) {
 fn say(line: impl std::fmt::Display) {
     use std::io::Write;
     note_unsaid(writeln!(std::io::stdout(), "{line}"));
+}
+
+/// Print a value to stdout as JSON.
+///
+/// # Errors
+/// [`joton::Error::Io`] where it has no text.
+fn say_json(value: &impl serde::Serialize) -> Result<()> {
+    say(json(value).map_err(|e| joton::Error::system("stdout", "write", &e))?);
+    Ok(())
+}
+
+/// The text of a value.
+fn json(value: &impl serde::Serialize) -> std::io::Result<String> {
+    serde_json::to_string_pretty(value).map_err(std::io::Error::from)
 }
 
 /// The first error of stdout.

@@ -1,8 +1,9 @@
 //! `joton plan SCENE`: what the scene needs, what is skipped and why.
 
 use super::memory::{self, mebibytes};
-use super::{DONE, pack, say};
+use super::{DONE, pack, say, say_json};
 use clap::Args;
+use joton::Result;
 use joton::film::Layer;
 use joton::packed::OutOfReach;
 use joton::plan::buffers::{Buffer, BufferPlan, expected_shapes, fit};
@@ -10,7 +11,6 @@ use joton::plan::kernels::Kernel;
 use joton::plan::map_layout::DeviceLimits;
 use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
-use joton::{Error, Result};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -85,9 +85,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "skipped": plan.skipped,
             "warnings": scene.warnings,
         });
-        let text = serde_json::to_string_pretty(&value)
-            .map_err(|e| Error::usage(e.to_string(), "report this as a bug of joton"))?;
-        say(text);
+        say_json(&value)?;
         return Ok(DONE);
     }
     say(format_args!("{} triangles, {} emitters", packed.triangles.len(), packed.emitters.len()));

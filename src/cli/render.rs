@@ -1,9 +1,9 @@
 //! `joton render SCENE`.
 
 use super::device::Devices;
-use super::{DONE, INTERRUPTED, interrupt, memory, pack, tell};
+use super::progress::{Kind as ProgressKind, Narrator, passes};
+use super::{DONE, INTERRUPTED, interrupt, json, memory, pack, say};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use joton::backend::{Backend, PASSES_MAX};
 use joton::film;
 use joton::film::paths::LightPaths;
@@ -12,10 +12,11 @@ use joton::output::{self, display, exr, png};
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
 use joton::render::{Failure, Progress, Reason, RenderState, Stop};
 use joton::{Error, Result};
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Arguments of `joton render`.
 #[derive(Debug, Args)]
@@ -34,7 +35,7 @@ pub(super) struct RenderArguments {
     /// Stop after this many seconds of rendering (set-up is not counted).
     #[arg(long, value_name = "SECONDS")]
     time: Option<f64>,
-    /// Stop when the estimated relative error is this small, e.g. 0.02.
+    /// Stop when the estimated relative error is this small [default, where nothing else is asked for: 0.02, after 60 s at most].
     #[arg(long)]
     error: Option<f64>,
     /// Seed of the random numbers: the same seed and device give the same image, bit for bit.
@@ -68,12 +69,15 @@ pub(super) struct RenderArguments {
     /// Tone of PNG files: srgb, filmic or perception.
     #[arg(long, default_value = "srgb")]
     transform: display::Transform,
-    /// Write what was done as JSON.
+    /// Write what was done as JSON; - is stdout.
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
     /// Measure what each kernel takes, for the report (a little slower).
     #[arg(long)]
     timings: bool,
+    /// How progress is told.
+    #[arg(long, value_name = "KIND", default_value = "auto")]
+    progress: ProgressKind,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -89,55 +93,58 @@ enum Switch {
 pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let begin = Instant::now();
     let stop = checked_stop(a)?;
+    // the report may go to stdout
+    let report_file = a.report.as_ref().filter(|path| **path != Path::new(STDOUT));
     // before the names of its outputs: a folder has none to give
     joton::scene::check_format(&a.scene)?;
     let outputs = if a.output.is_empty() { default_outputs(&a.scene) } else { a.output.clone() };
     for path in &outputs {
         kind_of(path)?;
     }
-    check_outputs(&a.scene, outputs.iter().chain(&a.report))?;
+    check_outputs(&a.scene, outputs.iter().chain(report_file))?;
     let (seed, shadow_rays, memory, keep) = (a.seed, a.shadow_rays, a.memory, kept(&a.no_skip)?);
     let resolve = a.resolve == Switch::On;
     let mut settings = Settings { seed, shadow_rays, memory, keep, resolve, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = LightPaths::parse(paths)?;
     }
+    let mut narrator = Narrator::new(a.progress, a.quiet);
     let mut setup = Laps::from(begin);
+    narrator.step("reading the scene");
     let mut scene = joton::scene::load(&a.scene)?;
     setup.lap("reading");
-    output::check_not_read(outputs.iter().chain(&a.report), &scene.files)?;
+    output::check_not_read(outputs.iter().chain(report_file), &scene.files)?;
     if let Some(size) = a.size {
         scene.resize(size);
     }
-    let say = |line: &str| {
-        if !a.quiet {
-            tell(format_args!("joton: {line}"));
-        }
-    };
     film::check_memory(scene.size)?;
+    narrator.step("building the hierarchy");
     let packed = Arc::new(pack(&scene, &settings)?);
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
     for warning in &scene.warnings {
-        say(&format!("warning: {warning}"));
+        narrator.warning(warning);
     }
     setup.lap("hierarchy");
+    narrator.step("planning");
     let wanted = Plan::new(&packed, settings);
     setup.lap("planning");
+    narrator.step("preparing the device");
     let mut devices = Devices::named(&a.device, a.reference)?;
     let (mut backend, mut device, mut plan) = devices.open(&packed, &wanted)?;
     setup.lap("device");
-    say(&device);
+    narrator.message(&device);
     if a.timings {
         backend.measure_kernels();
     }
 
     let interrupted = interrupt::watch();
-    let bar = if a.quiet { ProgressBar::hidden() } else { progress_bar() };
+    narrator.begin();
     let setup_seconds = begin.elapsed().as_secs_f64();
     let mut state = RenderState::new(packed.size);
     state.look_ahead();
+    let narrator = RefCell::new(narrator);
     let watch = |p: &Progress<'_>| {
-        show(&bar, p);
+        narrator.borrow_mut().show(p);
         !interrupted.load(Ordering::SeqCst)
     };
     let next = |failed: &Failure| {
@@ -146,7 +153,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         }
         // where the others do not open either, it is the first failure that is told
         let (mut backend, line, kept) = devices.open(&packed, &wanted).ok()?;
-        bar.suspend(|| say(&format!("{line}, from pass {} on: {}", failed.passes + 1, failed.what)));
+        narrator.borrow().message(&format!("{line}, from pass {} on: {}", failed.passes + 1, failed.what));
         if a.timings {
             backend.measure_kernels();
         }
@@ -154,7 +161,8 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         Some(backend)
     };
     let ended = state.go_on_while_devices_last(backend, stop, watch, next);
-    bar.finish_and_clear();
+    let narrator = narrator.into_inner();
+    narrator.end();
     let (reason, kernels, failed) = match ended {
         Ok((reason, backend)) => (reason, kernel_times(backend.as_ref()), None),
         Err(e) if state.passes() == 0 => return Err(e),
@@ -172,24 +180,44 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let error = rendered
         .error_estimate
         .map_or(String::new(), |e| format!(", estimated error {:.2} %", e.total * 100.0));
-    say(&format!("{} passes in {:.2} s{error}: {reason}", rendered.passes, rendered.seconds));
+    let words = format!("{} in {:.2} s{error}: {reason}", passes(rendered.passes), rendered.seconds);
+    let ended = serde_json::json!({
+        "reason": rendered.reason,
+        "passes": rendered.passes,
+        "seconds": rendered.seconds,
+        "error_estimate": rendered.error_estimate.map(|e| e.total),
+    });
+    narrator.done(&words, ended);
 
     let comment = format!("{}, seed {}, {} passes", a.scene.display(), a.seed, rendered.passes);
     let look = display::Display { exposure: a.exposure, transform: a.transform };
     // where one file cannot be written, the others still are
-    let mut saved = Ok(());
+    let (mut saved, mut wrote) = (Ok(()), Vec::new());
+    let mut note = |path: &Path, written: Result<()>| {
+        if written.is_ok() {
+            wrote.push(path.display().to_string());
+        }
+        saved = std::mem::replace(&mut saved, Ok(())).and(written);
+    };
     for path in &outputs {
-        saved = saved.and(match kind_of(path)? {
+        let written = match kind_of(path)? {
             Kind::Exr => exr::write_picture(path, &rendered.picture, &comment),
             Kind::Png => png::write_image(path, &rendered.picture.whole, &look),
-        });
+        };
+        note(path, written);
     }
     if let Some(path) = &a.report {
         let (setup, warnings) = (setup.seconds, scene.warnings.clone());
         let around = Circumstances { device, setup_seconds, setup, kernels, warnings };
         let report = Report::new(&rendered, &packed, &plan, around);
-        let text = serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e))?;
-        saved = saved.and(output::write_text(path, &(text + "\n")));
+        let text = json(&report).map_err(|e| Error::io(path, "write", e))?;
+        match report_file {
+            Some(path) => note(path, output::write_text(path, &(text + "\n"))),
+            None => say(text),
+        }
+    }
+    if !wrote.is_empty() {
+        narrator.wrote(&wrote);
     }
     saved?;
     if let Some(e) = failed {
@@ -197,6 +225,9 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     }
     Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
 }
+
+/// Name of a file that stands for stdout.
+const STDOUT: &str = "-";
 
 /// Seconds from one step to the next, by name.
 struct Laps {
@@ -301,26 +332,6 @@ pub(super) fn parse_size(text: &str) -> std::result::Result<[u32; 2], String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     match parsed {
         Some([w, h]) if w > 0 && h > 0 && w <= 65_536 && h <= 65_536 => Ok([w, h]),
-        _ => Err("give width and height in pixels, like 512x512".into()),
+        _ => Err("give width and height in pixels, like 512x512, 65536 each at most".into()),
     }
-}
-
-fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(1000);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
-}
-
-fn show(bar: &ProgressBar, p: &Progress<'_>) {
-    bar.set_position((p.done * 1000.0) as u64);
-    let error = p.error.map_or(String::new(), |e| format!("  error {:.2} %", e.total * 100.0));
-    let eta = if p.done > 0.02 {
-        format!("  {:.0} s left", p.seconds / p.done * (1.0 - p.done))
-    } else {
-        String::new()
-    };
-    bar.set_message(format!("{} passes  {:.1} s{error}{eta}", p.passes, p.seconds));
 }

@@ -14,11 +14,26 @@ fn compare_judges() {
     for (tolerance, code) in [("1000", 0), ("1e-12", 1)] {
         let ended = folder.run(&format!("compare a.exr b.exr --tolerance {tolerance} --heatmap h.png"));
         assert_eq!(ended.code, Some(code), "{}{}", ended.stdout, ended.stderr);
+        let why = "joton: relMSE ";
+        assert_eq!(
+            ended.stderr.starts_with(why) && ended.stderr.contains("above the tolerance of 1.0000e-12"),
+            code == 1,
+            "{}",
+            ended.stderr
+        );
+        assert_eq!(ended.stderr.lines().count(), code as usize);
         assert!(ended.stdout.contains("relMSE") && ended.stdout.contains("mean/ref"), "{}", ended.stdout);
         assert!(fs::read(folder.path("h.png")).expect("a heat map").starts_with(b"\x89PNG"));
         fs::remove_file(folder.path("h.png")).expect("a file");
     }
     assert_eq!(folder.run("compare a.exr b.exr").code, Some(0), "without a tolerance nothing is judged");
+    let json = folder.run("compare a.exr b.exr --json --tolerance 1e-12 --regions 2");
+    let told: serde_json::Value = serde_json::from_str(&json.stdout).expect("JSON alone");
+    assert_eq!((json.code, told["tolerance"].as_f64()), (Some(1), Some(1e-12)));
+    assert!(
+        told["rel_mse"].as_f64().is_some_and(|e| e > 0.0) && told["region_ratios"][1][1][2].is_f64(),
+        "{told}"
+    );
     folder.done("render cornell.toml --size 16x16 --device cpu --passes 1 -o small.exr");
     folder.fails("compare a.exr small.exr", &["32x32", "16x16"]);
     folder.fails("compare a.exr none.exr", &["none.exr"]);

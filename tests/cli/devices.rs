@@ -52,4 +52,8 @@ fn devices_are_listed() {
     let text = folder.done("devices").stdout;
     assert!(text.lines().any(|l| l.starts_with("cpu")), "{text}");
     assert_eq!(text.matches("auto").count(), 1, "{text}");
+    let told: serde_json::Value = serde_json::from_str(&folder.done("devices --json").stdout).expect("JSON");
+    let devices = told.as_array().expect("a list");
+    assert_eq!(devices.iter().filter(|d| d["is_auto"] == true).count(), 1, "{told}");
+    assert!(devices.last().is_some_and(|d| d["name"] == "cpu" && d["threads"].as_u64() > Some(0)), "{told}");
 }

@@ -123,3 +123,28 @@ fn too_little_memory_is_one_line() {
         crate::folder::Ended::of(shell.output().expect("a shell")).is_refusal(words, parts);
     }
 }
+
+/// `check` reads a scene as a render does, tells its warnings, and fails with --strict where there are any; a fault is a refusal.
+#[test]
+fn scenes_are_checked() {
+    let folder = Folder::new();
+    let calm = folder.done("check cornell.toml --strict");
+    assert!(calm.stdout.contains("38 triangles") && !calm.stdout.contains("warning"), "{}", calm.stdout);
+    let toml = "[[shape]]\nkind = \"cube\"\nmaterial = { kd = 0.7, ks = 0.7 }\n[[light]]\nkind = \"sun\"\n\
+                direction = [0, -1, 0]\nirradiance = 1\n";
+    std::fs::write(folder.path("bright.toml"), toml).expect("a scene");
+    let warned = folder.done("check bright.toml");
+    assert!(
+        warned.stdout.contains("warning: ") && warned.stdout.contains("scaled down"),
+        "{}",
+        warned.stdout
+    );
+    let strict = folder.run("check bright.toml --strict --json");
+    let told: serde_json::Value = serde_json::from_str(&strict.stdout).expect("JSON alone");
+    assert_eq!(
+        (strict.code, told["warnings"].as_array().map(Vec::len), &told["triangles"]),
+        (Some(1), Some(1), &12.into())
+    );
+    assert!(strict.stderr.contains("--strict"), "{}", strict.stderr);
+    folder.fails("check none.toml", &["none.toml"]);
+}
