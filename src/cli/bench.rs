@@ -10,8 +10,13 @@ use joton::film::paths::LightPaths;
 use joton::film::{Image, check_memory};
 use joton::output::{self, exr};
 use joton::packed::PackedScene;
+use joton::plan::buffers::{BufferPlan, expected_shapes, fit};
+use joton::plan::map_layout::DeviceLimits;
+use joton::plan::model::GpuModel;
+use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
 use joton::{Error, Result};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -56,6 +61,9 @@ pub(super) struct BenchArguments {
     /// Measure what each kernel takes, too (a little slower): PREFIX.kernels.csv.
     #[arg(long)]
     timings: bool,
+    /// With --timings: print what each kernel of a pass takes beside what a model of the device says, as for `joton plan`.
+    #[arg(long, value_name = "GPU", requires = "timings")]
+    model: Option<String>,
     /// Write PREFIX.csv, PREFIX.summary.csv and PREFIX.svg.
     #[arg(short, long, value_name = "PREFIX", default_value = "bench")]
     output: String,
@@ -75,6 +83,7 @@ struct Loaded {
 
 pub(super) fn run(a: &BenchArguments) -> Result<u8> {
     let times = ladder(&a.times)?;
+    let model = a.model.as_deref().map(GpuModel::parse).transpose()?;
     let files = ["csv", "summary.csv", "svg", "kernels.csv"]
         .map(|kind| PathBuf::from(format!("{}.{kind}", a.output)));
     // a file of kernels is written with --timings only
@@ -107,6 +116,9 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
     if measured.is_ok() || !found.rows.is_empty() {
         if a.seeds > 1 {
             say_parts(&found.summaries);
+        }
+        if let Some(model) = &model {
+            scenes.iter().try_for_each(|scene| say_predictions(model, scene, &found.kernels))?;
         }
         // where one file cannot be written, the others still are
         let mut saved = output::write_text(&files[0], &runs_csv(&found.rows));
@@ -275,4 +287,39 @@ fn say_parts(summaries: &[Summary]) {
             part(s.rel_variance)
         ));
     }
+}
+
+/// What the kernels of a pass took on each device, beside what the model says.
+fn say_predictions(model: &GpuModel, scene: &Loaded, measured: &[KernelRow]) -> Result<()> {
+    let machine = DeviceLimits::REFERENCE;
+    let traffic = Traffic::look(&scene.packed, &scene.plan);
+    let mut plan = scene.plan.clone();
+    let mut shapes = expected_shapes(&scene.packed, &plan, machine, &traffic);
+    let strips = fit(&scene.packed, &mut plan, &mut shapes, machine)?;
+    let needs = BufferPlan { scene: &scene.packed, plan: &plan, machine, shapes, strips };
+    // both maps together, as they are measured
+    let mut predicted: BTreeMap<&str, f64> = BTreeMap::new();
+    for kernel in needs.kernels(&traffic) {
+        *predicted.entry(kernel.name).or_default() += model.predict(&kernel).milliseconds;
+    }
+    let of_scene = || measured.iter().filter(|row| row.scene == scene.name);
+    let devices: BTreeSet<&str> = of_scene().map(|row| row.device.as_str()).collect();
+    for device in devices {
+        say(format_args!(
+            "\n{} on {device}, ms a pass: measured, and by the model of {}",
+            scene.name, model.name
+        ));
+        let of = |kernel: &str| {
+            let rows = || of_scene().filter(|row| row.device == device && row.kernel == kernel);
+            let passes: u64 = rows().map(|row| row.passes).sum();
+            (passes > 0).then(|| rows().map(|row| row.seconds).sum::<f64>() * 1e3 / passes as f64)
+        };
+        let both = predicted.iter().filter_map(|(kernel, told)| Some((*kernel, of(kernel)?, *told)));
+        let both: Vec<(&str, f64, f64)> = both.collect();
+        let sums = both.iter().fold([0.0; 2], |sum, (_, a, b)| [sum[0] + a, sum[1] + b]);
+        for (kernel, found, told) in both.into_iter().chain([("all", sums[0], sums[1])]) {
+            say(format_args!("  {kernel:<20} {found:>10.3} {told:>10.3}"));
+        }
+    }
+    Ok(())
 }

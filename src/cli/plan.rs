@@ -9,6 +9,7 @@ use joton::packed::OutOfReach;
 use joton::plan::buffers::{Buffer, BufferPlan, expected_shapes, fit};
 use joton::plan::kernels::Kernel;
 use joton::plan::map_layout::DeviceLimits;
+use joton::plan::model::{GpuModel, Prediction};
 use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
 use serde_json::json;
@@ -31,12 +32,16 @@ pub(super) struct PlanArguments {
     /// Memory of the device's buffers, at most, e.g. 512M.
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
+    /// What a pass would take on a GPU, by a model: rtx-4070, h200, or bytes and rays a second, like 0.5T,1.5G.
+    #[arg(long, value_name = "GPU")]
+    model: Option<String>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
+    let model = a.model.as_deref().map(GpuModel::parse).transpose()?;
     let mut scene = joton::scene::load(&a.scene)?;
     if let Some(size) = a.size {
         scene.resize(size);
@@ -77,6 +82,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "strips": strips.count(),
             "kernels": kernels,
             "milliseconds": milliseconds,
+            "predictions": model.as_ref().map(|m| kernels.iter().map(|k| m.predict(k)).collect::<Vec<_>>()),
             "buffers": buffers,
             "bytes": bytes,
             "bytes_per_pixel": per_pixel[1],
@@ -132,6 +138,9 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         ["kernel", "dispatches", "invocations", "rays", "steps", "tests", "MB moved", "ms"],
         kernels.iter().map(kernel_line),
     );
+    if let Some(model) = &model {
+        say_predictions(model, &kernels);
+    }
     say(format_args!("\nbuffers, {} together; how many jotons lanes store is estimated", mebibytes(bytes)));
     table(["buffer", "bytes", "holds"], buffers.iter().map(buffer_line));
     say(format_args!(
@@ -152,14 +161,29 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     Ok(DONE)
 }
 
+/// What the kernels would take on a GPU.
+fn say_predictions(model: &GpuModel, kernels: &[Kernel]) {
+    let all: Vec<_> = kernels.iter().map(|k| (k, model.predict(k))).collect();
+    let milliseconds: f64 = all.iter().map(|(_, p)| p.milliseconds).sum();
+    say(format_args!("\nby the model of {}, not measured: a pass in {milliseconds:.2} ms", model.name));
+    let line = |(k, p): &(&Kernel, Prediction)| {
+        [kernel_name(k), format!("{:.3}", p.milliseconds), p.bound.name().to_string()]
+    };
+    table(["kernel", "ms", "bound by"], all.iter().map(line));
+}
+
+/// What a kernel is called, and its map.
+fn kernel_name(k: &Kernel) -> String {
+    k.map.map_or(k.name.to_string(), |map| format!("{} ({map})", k.name))
+}
+
 /// Cells of a kernel's line.
 fn kernel_line(k: &Kernel) -> [String; 8] {
-    let name = k.map.map_or(k.name.to_string(), |map| format!("{} ({map})", k.name));
     let megabytes = k.bytes as f64 * 1e-6;
     let [dispatches, invocations, rays, steps, tests] =
         [k.dispatches, k.invocations, k.rays, k.steps, k.tests].map(|n| n.to_string());
     [
-        name,
+        kernel_name(k),
         dispatches,
         invocations,
         rays,

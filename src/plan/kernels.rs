@@ -41,6 +41,8 @@ pub struct Kernel {
     pub tests: u64,
     /// Bytes read and written, but for the scene; estimated.
     pub bytes: u64,
+    /// Whether neighbouring invocations trace rays that go anywhere.
+    pub is_scattered: bool,
     /// Estimated cost on the reference machine, milliseconds.
     pub milliseconds: f64,
 }
@@ -302,12 +304,12 @@ struct List {
 impl List {
     /// A kernel that is dispatched over these numbers of items.
     fn add(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work) {
-        self.push(name, map, items, each, [RAY_COHERENT, STEP_COHERENT]);
+        self.push(name, map, items, each, false);
     }
 
     /// One whose rays go anywhere.
     fn add_scattered(&mut self, name: &'static str, map: Option<&'static str>, items: &[u64], each: Work) {
-        self.push(name, map, items, each, [RAY_SCATTERED, STEP_SCATTERED]);
+        self.push(name, map, items, each, true);
     }
 
     fn push(
@@ -316,8 +318,10 @@ impl List {
         map: Option<&'static str>,
         items: &[u64],
         each: Work,
-        [ray, step]: [f64; 2],
+        is_scattered: bool,
     ) {
+        let [ray, step] =
+            if is_scattered { [RAY_SCATTERED, STEP_SCATTERED] } else { [RAY_COHERENT, STEP_COHERENT] };
         let invocations: u64 = items.iter().sum();
         let n = invocations as f64;
         let nanoseconds = DISPATCH * items.len() as f64
@@ -334,6 +338,7 @@ impl List {
             steps: (n * each.steps) as u64,
             tests: (n * each.tests) as u64,
             bytes: (n * each.bytes) as u64,
+            is_scattered,
             milliseconds: nanoseconds * 1e-6,
         });
     }

@@ -8,6 +8,7 @@ pub mod grid;
 mod guiding;
 pub mod kernels;
 pub mod map_layout;
+pub mod model;
 mod pilot;
 mod skip;
 pub mod strips;
