@@ -31,6 +31,14 @@ fn committed_scenes_are_generated() {
     assert_eq!(entries.count(), files.len());
 }
 
+/// The README shows the first scene as it is.
+#[test]
+fn the_readme_shows_the_first_scene() {
+    let readme = std::fs::read_to_string(directory().join("../README.md")).unwrap();
+    let scene = std::fs::read_to_string(directory().join("hello.toml")).unwrap();
+    assert!(readme.contains(&format!("```toml\n{scene}```\n")), "README.md shows another scenes/hello.toml");
+}
+
 /// The scenes load without a warning and stay within their promised sizes.
 #[test]
 fn committed_scenes_are_sound() {
