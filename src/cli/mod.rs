@@ -2,6 +2,7 @@
 
 mod bench;
 mod check;
+mod checkpoint;
 mod compare;
 mod device;
 mod devices;
@@ -43,6 +44,8 @@ Examples:
 enum Command {
     /// Render a scene to EXR and PNG files.
     Render(Box<render::RenderArguments>),
+    /// Go on with a render from its checkpoint.
+    Resume(checkpoint::ResumeArguments),
     /// Read a scene as a render would, and tell what is wrong with it.
     Check(check::CheckArguments),
     /// Tell what a scene needs, what is skipped and why.
@@ -78,7 +81,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().ok();
     }
     let code = match arguments.command {
-        Command::Render(a) => render::run(&a),
+        Command::Render(a) => render::run(&a, None),
+        Command::Resume(a) => checkpoint::run(&a),
         Command::Check(a) => check::run(&a),
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),

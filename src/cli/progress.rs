@@ -14,7 +14,7 @@ const JSON: Duration = Duration::from_millis(500);
 const TOLD: f64 = 0.02;
 
 /// How progress is told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 pub(super) enum Kind {
     /// A bar on a terminal, else lines.
     Auto,

@@ -1,5 +1,6 @@
 //! `joton render SCENE`.
 
+use super::checkpoint::{Keeper, Saved};
 use super::device::Devices;
 use super::progress::{Kind as ProgressKind, Narrator, passes};
 use super::{DONE, INTERRUPTED, interrupt, json, memory, pack, say};
@@ -19,31 +20,31 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Arguments of `joton render`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args, serde::Serialize, serde::Deserialize)]
 pub(super) struct RenderArguments {
     /// A scene file (.toml) or a mesh (.obj).
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Where to write: .exr (linear radiance and its layers) or .png (for display); may be repeated.
     #[arg(short, long, value_name = "FILE")]
-    output: Vec<PathBuf>,
+    pub(super) output: Vec<PathBuf>,
     /// Image size, instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
     /// Stop after this many passes.
     #[arg(long)]
-    passes: Option<u64>,
+    pub(super) passes: Option<u64>,
     /// Stop after this many seconds of rendering (set-up is not counted).
     #[arg(long, value_name = "SECONDS")]
-    time: Option<f64>,
+    pub(super) time: Option<f64>,
     /// Stop when the estimated relative error is this small [default, where nothing else is asked for: 0.02, after 60 s at most].
     #[arg(long)]
-    error: Option<f64>,
+    pub(super) error: Option<f64>,
     /// Seed of the random numbers: the same seed and device give the same image, bit for bit.
     #[arg(long, default_value_t = 0)]
     seed: u32,
     /// auto, gpu, cpu, or a part of a device's name (see `joton devices`).
     #[arg(long, default_value = "auto")]
-    device: String,
+    pub(super) device: String,
     /// With --device cpu: the plain path tracer instead of the photon mapper.
     #[arg(long)]
     reference: bool,
@@ -71,37 +72,58 @@ pub(super) struct RenderArguments {
     transform: display::Transform,
     /// Write what was done as JSON; - is stdout.
     #[arg(long, value_name = "FILE.json")]
-    report: Option<PathBuf>,
+    pub(super) report: Option<PathBuf>,
+    /// Keep all that it takes to go on by `joton resume` in this file, also when the render is stopped.
+    #[arg(long, value_name = "FILE")]
+    pub(super) checkpoint: Option<PathBuf>,
+    /// Seconds from one checkpoint to the next, at least.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, requires = "checkpoint")]
+    pub(super) every: f64,
     /// Measure what each kernel takes, for the report (a little slower).
     #[arg(long)]
     timings: bool,
     /// How progress is told.
     #[arg(long, value_name = "KIND", default_value = "auto")]
-    progress: ProgressKind,
+    pub(super) progress: ProgressKind,
     /// Say nothing but errors.
     #[arg(long)]
-    quiet: bool,
+    pub(super) quiet: bool,
 }
 
 /// On or off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 enum Switch {
     On,
     Off,
 }
 
-pub(super) fn run(a: &RenderArguments) -> Result<u8> {
+impl RenderArguments {
+    /// Where the picture goes. Without -o: NAME.png and NAME.exr in the current folder.
+    pub(super) fn outputs(&self) -> Vec<PathBuf> {
+        if !self.output.is_empty() {
+            return self.output.clone();
+        }
+        let stem = PathBuf::from(self.scene.file_stem().unwrap_or_default());
+        vec![stem.with_extension("png"), stem.with_extension("exr")]
+    }
+}
+
+/// Render a scene, or go on with what was saved of it.
+pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     let begin = Instant::now();
     let stop = checked_stop(a)?;
+    if saved.is_none() {
+        Keeper::check_new(a)?;
+    }
     // the report may go to stdout
     let report_file = a.report.as_ref().filter(|path| **path != Path::new(STDOUT));
     // before the names of its outputs: a folder has none to give
     joton::scene::check_format(&a.scene)?;
-    let outputs = if a.output.is_empty() { default_outputs(&a.scene) } else { a.output.clone() };
+    let outputs = a.outputs();
     for path in &outputs {
         kind_of(path)?;
     }
-    check_outputs(&a.scene, outputs.iter().chain(report_file))?;
+    check_outputs(&a.scene, outputs.iter().chain(report_file).chain(&a.checkpoint))?;
     let (seed, shadow_rays, memory, keep) = (a.seed, a.shadow_rays, a.memory, kept(&a.no_skip)?);
     let resolve = a.resolve == Switch::On;
     let mut settings = Settings { seed, shadow_rays, memory, keep, resolve, ..Settings::default() };
@@ -113,7 +135,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     narrator.step("reading the scene");
     let mut scene = joton::scene::load(&a.scene)?;
     setup.lap("reading");
-    output::check_not_read(outputs.iter().chain(report_file), &scene.files)?;
+    output::check_not_read(outputs.iter().chain(report_file).chain(&a.checkpoint), &scene.files)?;
     if let Some(size) = a.size {
         scene.resize(size);
     }
@@ -133,6 +155,7 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let (mut backend, mut device, mut plan) = devices.open(&packed, &wanted)?;
     setup.lap("device");
     narrator.message(&device);
+    let keeper = Keeper::new(a, &scene.files, &device)?;
     if a.timings {
         backend.measure_kernels();
     }
@@ -140,11 +163,23 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     let interrupted = interrupt::watch();
     narrator.begin();
     let setup_seconds = begin.elapsed().as_secs_f64();
-    let mut state = RenderState::new(packed.size);
+    let mut state = match saved {
+        Some(Saved { header, state }) => {
+            if header.device != device {
+                let passes = passes(state.passes());
+                narrator.message(&format!("{passes} before were rendered on {}", header.device));
+            }
+            state
+        }
+        None => RenderState::new(packed.size),
+    };
     state.look_ahead();
-    let narrator = RefCell::new(narrator);
+    let (narrator, keeper) = (RefCell::new(narrator), RefCell::new(keeper));
     let watch = |p: &Progress<'_>| {
         narrator.borrow_mut().show(p);
+        if let Some(Err(e)) = keeper.borrow_mut().as_mut().map(|keeper| keeper.keep_when_due(p.state)) {
+            narrator.borrow().warning(&e.to_string());
+        }
         !interrupted.load(Ordering::SeqCst)
     };
     let next = |failed: &Failure| {
@@ -157,17 +192,22 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         if a.timings {
             backend.measure_kernels();
         }
+        if let Some(keeper) = keeper.borrow_mut().as_mut() {
+            keeper.set_device(&line);
+        }
         (device, plan) = (line, kept);
         Some(backend)
     };
     let ended = state.go_on_while_devices_last(backend, stop, watch, next);
-    let narrator = narrator.into_inner();
+    let (narrator, mut keeper) = (narrator.into_inner(), keeper.into_inner());
     narrator.end();
     let (reason, kernels, failed) = match ended {
         Ok((reason, backend)) => (reason, kernel_times(backend.as_ref()), None),
         Err(e) if state.passes() == 0 => return Err(e),
         Err(e) => (Reason::Failed, Vec::new(), Some(saved_before(e, state.passes()))),
     };
+    // where it cannot be written, the picture still is
+    let kept = keeper.as_mut().map(|keeper| keeper.keep(&state));
     let rendered = state.finish(reason);
 
     let reason = match rendered.reason {
@@ -199,6 +239,9 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
         }
         saved = std::mem::replace(&mut saved, Ok(())).and(written);
     };
+    if let (Some(keeper), Some(kept)) = (&keeper, kept) {
+        note(keeper.path(), kept);
+    }
     for path in &outputs {
         let written = match kind_of(path)? {
             Kind::Exr => exr::write_picture(path, &rendered.picture, &comment),
@@ -218,6 +261,9 @@ pub(super) fn run(a: &RenderArguments) -> Result<u8> {
     }
     if !wrote.is_empty() {
         narrator.wrote(&wrote);
+    }
+    if let (Some(keeper), Reason::Interrupted) = (&keeper, rendered.reason) {
+        narrator.message(&format!("go on by: joton resume {}", keeper.path().display()));
     }
     saved?;
     if let Some(e) = failed {
@@ -286,12 +332,6 @@ pub(super) fn kept(words: &[String]) -> Result<Vec<Part>> {
     Ok(words.iter().map(|word| Part::parse(word)).collect::<Result<Vec<_>>>()?.concat())
 }
 
-/// Without -o: NAME.png and NAME.exr in the current folder.
-fn default_outputs(scene: &Path) -> Vec<PathBuf> {
-    let stem = PathBuf::from(scene.file_stem().unwrap_or_default());
-    vec![stem.with_extension("png"), stem.with_extension("exr")]
-}
-
 /// Find out before rendering whether all files can be written, and that none is written over another.
 fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
     let mut taken: Vec<PathBuf> = Vec::new();
@@ -319,7 +359,7 @@ fn checked_stop(a: &RenderArguments) -> Result<Stop> {
         let what = format!("--passes: random numbers last for {PASSES_MAX} passes");
         return Err(Error::usage(what, "ask for fewer, and average renders with other seeds"));
     }
-    for (name, value) in [("--time", a.time), ("--error", a.error)] {
+    for (name, value) in [("--time", a.time), ("--error", a.error), ("--every", Some(a.every))] {
         if value.is_some_and(|v| v.is_nan() || v <= 0.0) {
             return Err(Error::usage(format!("{name} must be larger than 0"), "give a positive number"));
         }

@@ -26,7 +26,7 @@ const BACKGROUND: f32 = 1e-3;
 const NOT_FINITE: [f32; 3] = [1.0, 0.0, 1.0];
 
 /// How bright the image is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Exposure {
     /// From the image: bright surfaces become bright, lights and black backgrounds do not count.
     #[default]
@@ -36,7 +36,7 @@ pub enum Exposure {
 }
 
 /// How exposed radiance becomes a screen value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Transform {
     /// As it is; what is brighter than white is clipped.
     #[default]

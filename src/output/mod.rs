@@ -1,5 +1,6 @@
 //! What leaves the renderer: image files, the display transform, and comparisons with a reference.
 
+pub mod checkpoint;
 pub mod compare;
 pub mod display;
 pub mod export;

@@ -75,6 +75,8 @@ pub struct Progress<'a> {
     pub cpu_seconds: f64,
     /// Sums of all counts so far.
     pub tally: &'a Tally,
+    /// All that it takes to go on from here.
+    pub state: &'a RenderState,
     estimator: &'a ErrorEstimator,
     resolver: Option<&'a Resolver>,
 }

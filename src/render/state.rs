@@ -25,7 +25,7 @@ const SURELY: f64 = 0.9;
 const ERROR_PASSES: u64 = 4;
 
 /// What a render has found so far: all that it takes to go on.
-#[derive(serde::Serialize, serde::Deserialize)]
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
 pub struct RenderState {
     size: [u32; 2],
     sums: ErrorEstimator,
@@ -89,6 +89,11 @@ impl RenderState {
     /// run beside it, too, and what they take is part of the rendering. The picture is the same.
     pub fn look_ahead(&mut self) {
         self.looks_ahead = true;
+    }
+
+    /// Pixels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
     }
 
     /// Passes in the picture: the first so many.
@@ -341,6 +346,7 @@ impl RenderState {
             done,
             cpu_seconds,
             tally: &self.tally,
+            state: self,
             estimator: &self.sums,
             resolver: self.resolver.as_deref(),
         }
@@ -431,7 +437,7 @@ fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> f64 {
 }
 
 /// Spread between batches of emitted − absorbed − escaped.
-#[derive(Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Default, serde::Serialize, serde::Deserialize)]
 struct Imbalance {
     batches: Vec<(f64, f64)>,
     emitted: f64,

@@ -1,0 +1,165 @@
+//! Checkpoint: all that a render needs to go on, in a file.
+//!
+//! ```text
+//! joton checkpoint 1\n       what it is, and the version of this layout
+//! { … }\n                    a header of the program's, JSON in one line
+//! …                          a RenderState, by postcard
+//! 8 bytes                    FNV-1a of everything before, little endian
+//! ```
+//!
+//! It is written whole or not at all. What is not whole, or changed since, is refused.
+
+use super::atomic;
+use crate::error::{Error, Result};
+use crate::render::RenderState;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::hash::Hasher;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+/// First line.
+const MAGIC: &str = "joton checkpoint 1\n";
+/// Bytes that are read at a time.
+const CHUNK: usize = 1 << 16;
+
+/// Write a state and a header.
+///
+/// # Errors
+/// [`Error::Io`] where it cannot be written; what was at `path` before stays then.
+pub fn write(path: &Path, header: &impl Serialize, state: &RenderState) -> Result<()> {
+    atomic::write_atomically(path, |sink| {
+        let mut hashed = Hashed { sink: io::BufWriter::with_capacity(CHUNK, sink), hash: Fnv::default() };
+        let written = (|| -> Result<(), Box<dyn std::error::Error>> {
+            hashed.write_all(MAGIC.as_bytes())?;
+            hashed.write_all(serde_json::to_string(header)?.as_bytes())?;
+            hashed.write_all(b"\n")?;
+            postcard::to_io(state, &mut hashed)?;
+            let hash = hashed.hash.finish().to_le_bytes();
+            hashed.sink.write_all(&hash)?;
+            Ok(hashed.sink.flush()?)
+        })();
+        written.map_err(|e| e.to_string())
+    })
+}
+
+/// Read a header and a state.
+///
+/// # Errors
+/// [`Error::Io`] where it cannot be read, [`Error::Usage`] where it is no checkpoint, is damaged, or is of another version.
+pub fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, RenderState)> {
+    let bytes = std::fs::read(path).map_err(|e| Error::system(path, "read", &e))?;
+    let fault = |what: &str| {
+        Error::usage(
+            format!("{}: {what}", path.display()),
+            "name a file that joton render --checkpoint wrote",
+        )
+    };
+    let rest = bytes
+        .strip_prefix(MAGIC.as_bytes())
+        .ok_or_else(|| fault("is no checkpoint of this version of joton"))?;
+    let damaged = || fault("is damaged");
+    let (_, hash) = bytes.split_last_chunk::<8>().ok_or_else(damaged)?;
+    let (body, _) = rest.split_last_chunk::<8>().ok_or_else(damaged)?;
+    let mut found = Fnv::default();
+    found.write(&bytes[..bytes.len() - hash.len()]);
+    if found.finish().to_le_bytes() != *hash {
+        return Err(damaged());
+    }
+    let end = body.iter().position(|b| *b == b'\n').ok_or_else(damaged)?;
+    let other = || fault("is of another version of joton");
+    let header = serde_json::from_slice(&body[..end]).map_err(|_| other())?;
+    let state = postcard::from_bytes(&body[end + 1..]).map_err(|_| other())?;
+    Ok((header, state))
+}
+
+/// A number that tells whether a file is the same as before, as 16 digits.
+///
+/// # Errors
+/// [`Error::Io`] where it cannot be read.
+pub fn fingerprint(path: &Path) -> Result<String> {
+    let fail = |e: io::Error| Error::system(path, "read", &e);
+    let (mut file, mut hash, mut chunk) =
+        (std::fs::File::open(path).map_err(fail)?, Fnv::default(), vec![0; CHUNK]);
+    loop {
+        match file.read(&mut chunk).map_err(fail)? {
+            0 => return Ok(format!("{:016x}", hash.finish())),
+            n => hash.write(&chunk[..n]),
+        }
+    }
+}
+
+/// FNV-1a, 64 bits: the same in every version of Rust.
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Hasher for Fnv {
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
+        }
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
+
+/// Hashes what passes through.
+struct Hashed<W> {
+    sink: W,
+    hash: Fnv,
+}
+
+impl<W: Write> Write for Hashed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.sink.write(bytes)?;
+        self.hash.write(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.sink.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Published values of FNV-1a.
+    #[test]
+    fn hashes_are_those_of_the_paper() {
+        for (text, hash) in
+            [("", 0xcbf2_9ce4_8422_2325), ("a", 0xaf63_dc4c_8601_ec8c), ("foobar", 0x8594_4171_f739_67e8)]
+        {
+            let mut fnv = Fnv::default();
+            fnv.write(text.as_bytes());
+            assert_eq!(fnv.finish(), hash, "{text}");
+        }
+    }
+
+    /// What is written comes back; a file that is cut, or has one byte changed, is refused, wherever that is.
+    #[test]
+    fn damage_is_found() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.joton");
+        write(&path, &"header", &RenderState::new([3, 2])).expect("written");
+        let (header, state) = read::<String>(&path).expect("read");
+        assert_eq!((header.as_str(), state.size(), state.passes()), ("header", [3, 2], 0));
+        let whole = std::fs::read(&path).expect("bytes");
+        for i in 0..whole.len() {
+            std::fs::write(&path, &whole[..i]).expect("written");
+            assert!(read::<String>(&path).is_err(), "{i} bytes of it");
+            let mut changed = whole.clone();
+            changed[i] ^= 1;
+            std::fs::write(&path, &changed).expect("written");
+            assert!(read::<String>(&path).is_err(), "byte {i}");
+        }
+    }
+}
