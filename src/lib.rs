@@ -39,6 +39,7 @@
 #![warn(missing_docs, unreachable_pub)]
 
 pub mod backend;
+#[cfg(feature = "bench")]
 #[doc(hidden)]
 pub mod bench;
 mod error;

@@ -79,6 +79,7 @@ impl Devices {
 }
 
 /// Open the device that `--device` names and set it up for a scene.
+#[cfg(feature = "bench")]
 pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Result<Opened> {
     Devices::named(device, reference)?.open(scene, plan)
 }

@@ -1,5 +1,6 @@
 //! The command line: arguments, one file for each command.
 
+#[cfg(feature = "bench")]
 mod bench;
 mod check;
 mod checkpoint;
@@ -12,6 +13,7 @@ mod memory;
 mod plan;
 mod progress;
 mod render;
+#[cfg(feature = "bench")]
 mod versus;
 
 use crate::system;
@@ -55,6 +57,7 @@ enum Command {
     /// Write a scene for other renderers: Mitsuba 3 XML and PLY.
     Export(export::ExportArguments),
     /// Error over time on each device: CSV and plot.
+    #[cfg(feature = "bench")]
     Bench(bench::BenchArguments),
     /// List the devices, and which one is chosen.
     Devices(devices::DevicesArguments),
@@ -87,6 +90,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),
         Command::Export(a) => export::run(&a),
+        #[cfg(feature = "bench")]
         Command::Bench(a) => bench::run(&a),
         Command::Devices(a) => devices::run(&a),
     }?;
