@@ -126,7 +126,7 @@ pub fn run(stress: Stress) -> Result<(), Failed> {
 pub fn write(stresses: &[Stress]) -> std::io::Result<()> {
     let Ok(path) = std::env::var(TABLE) else { return Ok(()) };
     let rows = ROWS.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut text = String::from("# Numerical stress\n\n");
+    let mut text = String::from(concat!("# Numerical stress\n\n", include_str!("summary.md")));
     let sizes = if is_long() { "the long sizes" } else { "the sizes for every day" };
     let device =
         device().map_or_else(|| "none".to_string(), |c| format!("{} ({})", c.info.name, c.info.driver_info));
