@@ -283,6 +283,21 @@ impl ErrorEstimator {
         self.resolved_at() == Some(self.film.passes())
     }
 
+    /// What is added to squared radiances: [`RELATIVE_OFFSET`], or in a picture whose surfaces are darker than its root, the square of how
+    /// bright they are, Σx² / Σx: black ones do not count. The unit of power then says nothing of how noisy a dim picture is.
+    fn offset(&self) -> f64 {
+        let film = &self.film;
+        let values = (BANDS as u64 * film.passes()) as f64;
+        let of_pixel = |sample: usize| -> f64 {
+            let pixel = self.lattice.pixel(sample);
+            let layers = Layer::ON_SURFACES.map(|layer| film.sum(layer as usize, pixel).iter().sum::<f64>());
+            layers.iter().sum::<f64>().max(0.0) / values
+        };
+        let radiance = (0..self.lattice.len()).map(of_pixel);
+        let [sum, squares] = radiance.fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
+        if squares > 0.0 { RELATIVE_OFFSET.min((squares / sum).powi(2)) } else { RELATIVE_OFFSET }
+    }
+
     fn measured_error(&self) -> ErrorEstimate {
         let all = self.film.passes() as f64;
         let (a, b) = (self.early_passes as f64, all - self.early_passes as f64);
@@ -292,6 +307,7 @@ impl ErrorEstimator {
         let mean_blur = self.lines.iter().map(|l| l.moments[0]).sum::<f64>() / all;
         let smooth_scale = self.smooth.as_ref().map_or(0.0, |s| (s.passes as f64 / all).powf(SMOOTH_RATE));
         let trust = (TRUSTING_PASSES / all).min(1.0);
+        let offset = self.offset();
         let [width, height] = self.lattice.size;
         // noise and squared bias of each row, the latter by blocks across
         let rows: Vec<(f64, [f64; BLOCKS], [f64; 2])> = (0..height)
@@ -311,8 +327,7 @@ impl ErrorEstimator {
                         let with = f64::from(resolved[i]);
                         let square = (sum[i] / all + with).powi(2);
                         let common = common_square(means[0] + with, means[1] + with);
-                        let weight =
-                            trust / (square + RELATIVE_OFFSET) + (1.0 - trust) / (common + RELATIVE_OFFSET);
+                        let weight = trust / (square + offset) + (1.0 - trust) / (common + offset);
                         noise += (means[0] - means[1]).powi(2) * share * weight;
                         let part = if square_mean > 0.0 { with * with / square_mean } else { 1.0 };
                         smooth_noise += smooth_scale * f64::from(variance) * part * weight;
@@ -424,6 +439,22 @@ mod tests {
             assert!((e.noise / truth - 1.0).abs() < 0.05, "{passes} passes: {e:?}, truth {truth}");
             assert!((e.total / e.noise - NOISE_SAFETY.sqrt()).abs() < 1e-9, "{e:?}");
         }
+    }
+
+    /// The unit of power changes nothing: a picture that is dimmer by any factor has the same error, but that bright ones count what is below a
+    /// tenth as dark.
+    #[test]
+    fn dim_pictures_have_the_same_error() {
+        let at = |scale: f64| {
+            let noisy = |n: u64, p: usize| scale * (2.0 + uniform(n, p));
+            after(16, |_| 1.0, noisy).error().expect("two halves").noise
+        };
+        let dim = at(1e-3);
+        for scale in [1e-2, 1e-5, 1e-10] {
+            assert!((at(scale) / dim - 1.0).abs() < 1e-4, "{scale}: {} {dim}", at(scale));
+        }
+        // squares, and as much again where it is dim
+        assert!((at(10.0) / dim / 2f64.sqrt() - 1.0).abs() < 0.05, "{} {dim}", at(10.0));
     }
 
     /// Large images tell their error by a lattice of pixels, each of which is at its place: a gradient across and down is seen as it

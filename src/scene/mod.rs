@@ -1,6 +1,7 @@
 //! Scene: what is to be rendered; validated, free of any backend, in the user's world units (f64).
 
 mod assembly;
+mod blender;
 mod camera;
 mod clean;
 mod ears;

@@ -3,8 +3,8 @@
 //! Tolerant, because files in the wild are: any case of keys, tabs, comments after values, nameless materials,
 //! paths with backslashes or the wrong case. What the statements mean for light is the rule in `rule.rs`.
 
-use super::text;
 use super::warnings::Warnings;
+use super::{blender, text};
 use crate::Result;
 use crate::spectrum::{BANDS, Bands, from_rgb};
 use std::collections::HashMap;
@@ -45,6 +45,8 @@ pub(crate) struct RawMaterial {
     pub(crate) kind: Option<Kind>,
     /// Set by a scene file: whether glass is a pane without thickness.
     pub(crate) thin: Option<At<bool>>,
+    /// Ambient reflectance: of no meaning but to `blender.rs`.
+    pub(crate) ka: Option<At<Bands>>,
     /// Diffuse reflectance.
     pub(crate) kd: Option<At<Bands>>,
     /// Specular or glossy reflectance.
@@ -61,6 +63,8 @@ pub(crate) struct RawMaterial {
     pub(crate) ns: Option<At<f32>>,
     /// Roughness of the PBR extension.
     pub(crate) pr: Option<At<f32>>,
+    /// Metallic part of the PBR extension: likewise.
+    pub(crate) pm: Option<At<f32>>,
     /// Opacity.
     pub(crate) d: Option<At<f32>>,
     /// Transparency, or opacity in old files.
@@ -101,13 +105,18 @@ pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<Raw
             warnings.add(path, Some(line), format!("{key}: {what}; the statement is ignored"));
         }
     }
+    if blender::wrote(text) {
+        materials.iter_mut().for_each(blender::restate);
+    }
     materials
 }
 
-/// Applies one statement; keys that mean nothing here (Ka, sharpness, …) are passed over.
+/// Applies one statement; keys that mean nothing here (sharpness, …) are passed over.
 fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Result<(), &'static str> {
     let at = |value| Some(At { value, line });
     match key {
+        "ka" => material.ka = at_bands(rest, line)?,
+        "pm" => material.pm = at(number(rest)?),
         "kd" => material.kd = at_bands(rest, line)?,
         "ks" => material.ks = at_bands(rest, line)?,
         "ke" => material.ke = at_bands(rest, line)?,

@@ -212,3 +212,31 @@ fn cutouts_are_opaque() {
         assert_eq!(warnings(&format!("Kd 1 1 1\n{statement}")).contains("cut-out"), expected, "{statement}");
     }
 }
+
+/// What Blender's exporter writes means what it meant there: Ks is a level of reflection, illum 3 is metal of the colour Kd, Tf is glass,
+/// Ns is a roughness. The same statements in a file of another program mean what they say.
+#[test]
+fn blender_means_what_it_says_there() {
+    let load = |header: &str, statements: &str| {
+        with_mtl(format!("{header}\nnewmtl m\n{statements}\nNi 1.45\nd 1\nKe 1 1 1\n")).unwrap().materials[0]
+            .clone()
+    };
+    let blender = |statements: &str| load("# Blender 4.2.0 MTL File: 'a.blend'", statements);
+    let is_near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
+    let plastic = blender("Kd .8 .4 .2\nKs .5 .5 .5\nillum 2\nPr .5\nPm 0");
+    assert!(is_near(plastic.diffuse, [0.8, 0.4, 0.2]) && is_near(plastic.glossy, [0.04; 3]), "{plastic:?}");
+    assert_eq!(plastic.glossy_exponent, 30.0, "2 / r^4 - 2");
+    let by_ns = blender("Kd .8 .4 .2\nKs .5 .5 .5\nillum 2\nNs 250");
+    assert!((by_ns.glossy_exponent - 30.0).abs() < 1e-3, "{by_ns:?}");
+    for metal in ["Pr .25\nPm 1", "Ka 1 1 1\nNs 562.5"] {
+        let gold = blender(&format!("Kd 1 .77 .34\nKs .5 .5 .5\nillum 3\n{metal}"));
+        assert!(is_near(gold.glossy, [1.0, 0.77, 0.34]) && is_near(gold.diffuse, [0.0; 3]), "{gold:?}");
+        assert!((gold.glossy_exponent / 510.0 - 1.0).abs() < 1e-3, "{gold:?}");
+    }
+    let mirror = blender("Kd 1 .77 .34\nKs .5 .5 .5\nillum 3\nPr 0\nPm 1");
+    assert!(is_near(mirror.specular, [1.0, 0.77, 0.34]) && is_near(mirror.glossy, [0.0; 3]), "{mirror:?}");
+    let glass = blender("Kd 1 .81 1\nKs .5 .5 .5\nillum 2\nPr 0\nPm 0\nTf 1 1 1").dielectric.expect("glass");
+    assert!(glass.ior == 1.45 && is_near(glass.transmission_tint, [1.0, 0.9, 1.0]), "{glass:?}");
+    let other = load("# by hand", "Kd .4 .4 .2\nKs .5 .5 .5\nillum 2\nNs 250");
+    assert!(is_near(other.glossy, [0.5; 3]) && other.glossy_exponent == 250.0, "{other:?}");
+}

@@ -1,0 +1,48 @@
+//! Blender: what the materials mean that its OBJ exporter writes.
+//!
+//! The exporter puts the values of its principled surface into statements that mean something else elsewhere: Ks is the level of the
+//! reflection of a dielectric, of which 0.5 is an index of 1.5; Ns tells the roughness r as 1000 (1 − r)²; illum 3 is metal, by Pm or Ka,
+//! whose colour is Kd; and Tf, which PBR extensions add, is the part of the light that is transmitted.
+
+use super::mtl::{At, Kind, RawMaterial};
+use crate::spectrum::{self, Bands};
+
+/// Reflectance at normal incidence where Ks is 1.
+const REFLECTANCE: f32 = 0.08;
+/// Roughness below which metal is a mirror.
+const SMOOTH: f32 = 0.05;
+/// Exponent Ns where nothing is rough.
+const NS_MOST: f32 = 1000.0;
+
+/// Whether the exporter wrote this library: its first line says so.
+pub(crate) fn wrote(text: &str) -> bool {
+    text.trim_start_matches('\u{feff}').starts_with("# Blender")
+}
+
+/// State a material as the other rules read it.
+pub(crate) fn restate(raw: &mut RawMaterial) {
+    let from_ns = |ns: f32| 1.0 - (ns.clamp(0.0, NS_MOST) / NS_MOST).sqrt();
+    let roughness = raw.pr.or(raw.ns.map(|ns| At { value: from_ns(ns.value), line: ns.line }));
+    let is_metal = raw.illum.is_some_and(|illum| illum.value == 3.0);
+    let from_ka = raw.ka.filter(|_| is_metal).map(|ka| spectrum::max(&ka.value));
+    let metallic = raw.pm.map(|pm| pm.value).or(from_ka).unwrap_or(0.0).clamp(0.0, 1.0);
+    let transmits = raw.tf.is_some_and(|tf| spectrum::max(&tf.value) > 0.5);
+    let scaled =
+        |of: Option<At<Bands>>, factor: f32| of.map(|x| At { value: x.value.map(|v| v * factor), ..x });
+    (raw.pr, raw.ns) = (roughness, None);
+    if transmits && metallic < 0.5 {
+        raw.kind = Some(Kind::Glass);
+        // it passes two faces
+        raw.tf = raw.kd.map(|kd| At { value: kd.value.map(|v| v.max(0.0).sqrt()), ..kd });
+        (raw.kd, raw.ks) = (None, None);
+    } else if metallic > 0.0 {
+        raw.ks = scaled(raw.kd, metallic);
+        raw.kd = scaled(raw.kd, 1.0 - metallic);
+        let illum = if roughness.is_some_and(|r| r.value < SMOOTH) { 3.0 } else { 2.0 };
+        raw.illum = Some(At { value: illum, line: raw.line });
+        raw.tf = None;
+    } else {
+        raw.ks = scaled(raw.ks, REFLECTANCE);
+        raw.tf = None;
+    }
+}
