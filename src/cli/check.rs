@@ -28,6 +28,7 @@ struct Checked {
     /// Outside of the closed room around the camera.
     out_of_reach: usize,
     materials: usize,
+    /// Triangles that shine, and lights.
     emitters: usize,
     files: Vec<PathBuf>,
     warnings: Vec<String>,
@@ -54,11 +55,11 @@ pub(super) fn run(a: &CheckArguments) -> Result<u8> {
     } else {
         let [width, height] = checked.size;
         say(format_args!(
-            "{}: {} triangles, {} materials, {} emitters, {width} × {height} pixels",
+            "{}: {}, {}, {}, {width} × {height} pixels",
             a.scene.display(),
-            checked.triangles,
-            checked.materials,
-            checked.emitters
+            counted(checked.triangles, "triangle"),
+            counted(checked.materials, "material"),
+            counted(checked.emitters, "emitter"),
         ));
         if checked.out_of_reach > 0 {
             let count = checked.out_of_reach;
@@ -69,7 +70,15 @@ pub(super) fn run(a: &CheckArguments) -> Result<u8> {
         }
     }
     if is_faulty {
-        tell(format_args!("joton: {} warnings, and --strict accepts none", checked.warnings.len()));
+        tell(format_args!(
+            "joton: {}, and --strict accepts none",
+            counted(checked.warnings.len(), "warning")
+        ));
     }
     Ok(if is_faulty { FAULTY } else { DONE })
+}
+
+/// So many of something.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }

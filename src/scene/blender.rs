@@ -14,11 +14,6 @@ const SMOOTH: f32 = 0.05;
 /// Exponent Ns where nothing is rough.
 const NS_MOST: f32 = 1000.0;
 
-/// Whether the exporter wrote this library: its first line says so.
-pub(crate) fn wrote(text: &str) -> bool {
-    text.trim_start_matches('\u{feff}').starts_with("# Blender")
-}
-
 /// State a material as the other rules read it.
 pub(crate) fn restate(raw: &mut RawMaterial) {
     let from_ns = |ns: f32| 1.0 - (ns.clamp(0.0, NS_MOST) / NS_MOST).sqrt();

@@ -93,6 +93,10 @@ fn spot(table: Table) -> Result<Light> {
         Some(target) => (target - position).try_normalize().ok_or_else(|| {
             table.fault(table.line(), "spot whose target is its position", "move one of them")
         })?,
+        None if table.optional_vector("direction")?.is_none() => {
+            let remedy = "add target = [x, y, z], or direction = [x, y, z]";
+            return Err(table.fault(table.line(), "spot without a target", remedy));
+        }
         None => direction(&table)?,
     };
     let mut angles = DEFAULT_SPOT;

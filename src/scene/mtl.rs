@@ -3,8 +3,8 @@
 //! Tolerant, because files in the wild are: any case of keys, tabs, comments after values, nameless materials,
 //! paths with backslashes or the wrong case. What the statements mean for light is the rule in `rule.rs`.
 
+use super::text;
 use super::warnings::Warnings;
-use super::{blender, text};
 use crate::Result;
 use crate::spectrum::{BANDS, Bands, from_rgb};
 use std::collections::HashMap;
@@ -41,6 +41,8 @@ pub(crate) struct RawMaterial {
     pub(crate) file: PathBuf,
     /// Line of `newmtl`.
     pub(crate) line: usize,
+    /// Whether Blender's exporter wrote the library, as its first line says.
+    pub(crate) is_of_blender: bool,
     /// Set by a scene file.
     pub(crate) kind: Option<Kind>,
     /// Set by a scene file: whether glass is a pane without thickness.
@@ -105,9 +107,8 @@ pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<Raw
             warnings.add(path, Some(line), format!("{key}: {what}; the statement is ignored"));
         }
     }
-    if blender::wrote(text) {
-        materials.iter_mut().for_each(blender::restate);
-    }
+    let is_of_blender = text.trim_start_matches('\u{feff}').starts_with("# Blender");
+    materials.iter_mut().for_each(|material| material.is_of_blender = is_of_blender);
     materials
 }
 

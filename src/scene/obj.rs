@@ -7,7 +7,7 @@ use super::clean::{self, Clean};
 use super::mtl::{self, Finder, RawMaterial};
 use super::transform::Transform;
 use super::warnings::{Named, Warnings};
-use super::{Mesh, Triangle, polygon, text};
+use super::{Mesh, Triangle, blender, polygon, text};
 use crate::host::files;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -176,7 +176,10 @@ fn libraries(
     read.extend(files.iter().map(|(file, _)| file.clone()));
     for (file, [first, _]) in files {
         match mtl::read(&file, warnings) {
-            Ok(materials) => library.extend(materials),
+            Ok(mut materials) => {
+                materials.iter_mut().filter(|m| m.is_of_blender).for_each(blender::restate);
+                library.extend(materials);
+            }
             Err(error) => warnings.add(path, Some(clean.libraries[first].0), error.to_string()),
         }
     }

@@ -130,11 +130,12 @@ fn mesh(table: Table, path: &Path) -> Result<MeshEntry> {
     table.allow(&[&["file", "material"][..], &Transform::KEYS].concat())?;
     let file = table.string("file")?;
     let directory = path.parent().unwrap_or(Path::new(""));
+    let name = Path::new(&file.value).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(MeshEntry {
         line: file.line,
         file: directory.join(file.value),
         transform: Transform::read(&table)?,
-        material: made_of(&table, path, "mesh")?,
+        material: made_of(&table, path, &name)?,
     })
 }
 
@@ -145,7 +146,7 @@ fn shape(table: Table, path: &Path) -> Result<ShapeEntry> {
         shape,
         center,
         transform: Transform::read(&table)?,
-        material: made_of(&table, path, "shape")?,
+        material: made_of(&table, path, &table.string("kind")?.value)?,
     })
 }
 

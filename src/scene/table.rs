@@ -90,7 +90,7 @@ impl<'a> Table<'a> {
     }
 
     fn wrong(&self, key: &str, line: usize, expected: &str) -> Error {
-        self.fault(line, &format!("{key} is not {expected}"), &format!("give {expected}"))
+        self.fault(line, &format!("{key} has a wrong value"), &format!("give {expected}"))
     }
 
     /// A table within this one.
