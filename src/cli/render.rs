@@ -11,7 +11,7 @@ use joton::film::paths::LightPaths;
 use joton::output::report::{Circumstances, KernelTime, Report};
 use joton::output::{self, display, exr, png};
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
-use joton::render::{Failure, Progress, Reason, RenderState, Stop};
+use joton::render::{Failure, Progress, Reason, RenderState, Rendered, Stop};
 use joton::{Error, Result};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -229,36 +229,13 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     });
     narrator.done(&words, ended);
 
-    let comment = format!("{}, seed {}, {} passes", a.scene.display(), a.seed, rendered.passes);
-    let look = display::Display { exposure: a.exposure, transform: a.transform };
-    // where one file cannot be written, the others still are
-    let (mut saved, mut wrote) = (Ok(()), Vec::new());
-    let mut note = |path: &Path, written: Result<()>| {
-        if written.is_ok() {
-            wrote.push(path.display().to_string());
-        }
-        saved = std::mem::replace(&mut saved, Ok(())).and(written);
-    };
-    if let (Some(keeper), Some(kept)) = (&keeper, kept) {
-        note(keeper.path(), kept);
-    }
-    for path in &outputs {
-        let written = match kind_of(path)? {
-            Kind::Exr => exr::write_picture(path, &rendered.picture, &comment),
-            Kind::Png => png::write_image(path, &rendered.picture.whole, &look),
-        };
-        note(path, written);
-    }
-    if let Some(path) = &a.report {
+    let report = || {
         let (setup, warnings) = (setup.seconds, scene.warnings.clone());
         let around = Circumstances { device, setup_seconds, setup, kernels, warnings };
-        let report = Report::new(&rendered, &packed, &plan, around);
-        let text = json(&report).map_err(|e| Error::io(path, "write", e))?;
-        match report_file {
-            Some(path) => note(path, output::write_text(path, &(text + "\n"))),
-            None => say(text),
-        }
-    }
+        Report::new(&rendered, &packed, &plan, around)
+    };
+    let kept = keeper.as_ref().map(Keeper::path).zip(kept);
+    let (wrote, saved) = save(a, &outputs, &rendered, kept, report);
     if !wrote.is_empty() {
         narrator.wrote(&wrote);
     }
@@ -270,6 +247,36 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
         return Err(e);
     }
     Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
+}
+
+/// Write the pictures and the report; where one file cannot be written, the others still are. Those that were, the checkpoint among them,
+/// and what stood in the way of the first that was not.
+fn save(
+    a: &RenderArguments,
+    outputs: &[PathBuf],
+    rendered: &Rendered,
+    kept: Option<(&Path, Result<()>)>,
+    report: impl FnOnce() -> Report,
+) -> (Vec<String>, Result<()>) {
+    let comment = format!("{}, seed {}, {} passes", a.scene.display(), a.seed, rendered.passes);
+    let look = display::Display { exposure: a.exposure, transform: a.transform };
+    let picture = |path: &PathBuf| match kind_of(path)? {
+        Kind::Exr => exr::write_picture(path, &rendered.picture, &comment),
+        Kind::Png => png::write_image(path, &rendered.picture.whole, &look),
+    };
+    let mut written: Vec<(&Path, Result<()>)> = kept.into_iter().collect();
+    written.extend(outputs.iter().map(|path| (path.as_path(), picture(path))));
+    if let Some(path) = &a.report {
+        let text = json(&report()).map_err(|e| Error::io(path, "write", e));
+        match text {
+            Ok(text) if path == Path::new(STDOUT) => say(text),
+            Ok(text) => written.push((path, output::write_text(path, &(text + "\n")))),
+            Err(e) => written.push((path, Err(e))),
+        }
+    }
+    let names = written.iter().filter(|(_, done)| done.is_ok()).map(|(path, _)| path.display().to_string());
+    let names = names.collect();
+    (names, written.into_iter().try_for_each(|(_, done)| done))
 }
 
 /// Name of a file that stands for stdout.

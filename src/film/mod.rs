@@ -17,8 +17,9 @@ const LAYER_BYTES: u64 = 24 + 12 + 12;
 const PIXEL_BYTES: u64 = 12 + 17 + 64;
 /// Bytes of a pixel that is looked at to tell the error.
 const SAMPLE_BYTES: u64 = 120;
-/// Bytes of a pixel that is resolved: what its errors weigh, what it shows, blocks of all sizes, what neighbours tell.
-const RESOLVE_BYTES: u64 = 16 + 60 + 70 + 100;
+/// Bytes of a pixel that is resolved: what its errors weigh, what it shows, blocks of all sizes, what neighbours tell, and what threads
+/// have not given back.
+const RESOLVE_BYTES: u64 = 16 + 60 + 70 + 100 + 16;
 /// Bytes of a layer of it: its first half, both means, what blocks found, what came of it, and what it was.
 const RESOLVE_LAYER_BYTES: u64 = 24 + 24 + 43 + 20 + 12;
 /// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.

@@ -293,8 +293,16 @@ impl ErrorEstimator {
             let layers = Layer::ON_SURFACES.map(|layer| film.sum(layer as usize, pixel).iter().sum::<f64>());
             layers.iter().sum::<f64>().max(0.0) / values
         };
-        let radiance = (0..self.lattice.len()).map(of_pixel);
-        let [sum, squares] = radiance.fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
+        // row by row, so that threads change no bit
+        let [width, height] = self.lattice.size;
+        let add =
+            |[sum, squares]: [f64; 2], [more, more_squares]: [f64; 2]| [sum + more, squares + more_squares];
+        let row = |y: usize| {
+            let radiance = (y * width..(y + 1) * width).map(of_pixel);
+            radiance.map(|x| [x, x * x]).fold([0.0; 2], add)
+        };
+        let rows: Vec<[f64; 2]> = (0..height).into_par_iter().map(row).collect();
+        let [sum, squares] = rows.into_iter().fold([0.0; 2], add);
         if squares > 0.0 { RELATIVE_OFFSET.min((squares / sum).powi(2)) } else { RELATIVE_OFFSET }
     }
 
