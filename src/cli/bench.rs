@@ -10,10 +10,8 @@ use joton::film::paths::LightPaths;
 use joton::film::{Image, check_memory};
 use joton::output::{self, exr};
 use joton::packed::PackedScene;
-use joton::plan::buffers::{BufferPlan, expected_shapes, fit};
-use joton::plan::map_layout::DeviceLimits;
+use joton::plan::buffers::Expected;
 use joton::plan::model::GpuModel;
-use joton::plan::traffic::Traffic;
 use joton::plan::{Plan, Settings};
 use joton::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -291,15 +289,10 @@ fn say_parts(summaries: &[Summary]) {
 
 /// What the kernels of a pass took on each device, beside what the model says.
 fn say_predictions(model: &GpuModel, scene: &Loaded, measured: &[KernelRow]) -> Result<()> {
-    let machine = DeviceLimits::REFERENCE;
-    let traffic = Traffic::look(&scene.packed, &scene.plan);
-    let mut plan = scene.plan.clone();
-    let mut shapes = expected_shapes(&scene.packed, &plan, machine, &traffic);
-    let strips = fit(&scene.packed, &mut plan, &mut shapes, machine)?;
-    let needs = BufferPlan { scene: &scene.packed, plan: &plan, machine, shapes, strips };
+    let expected = Expected::look(&scene.packed, scene.plan.clone())?;
     // both maps together, as they are measured
     let mut predicted: BTreeMap<&str, f64> = BTreeMap::new();
-    for kernel in needs.kernels(&traffic) {
+    for kernel in expected.needs(&scene.packed).kernels(&expected.traffic) {
         *predicted.entry(kernel.name).or_default() += model.predict(&kernel).milliseconds;
     }
     let of_scene = || measured.iter().filter(|row| row.scene == scene.name);

@@ -116,8 +116,6 @@ impl Keeper {
     /// For a render that asks for checkpoints, of a scene that was read from these files.
     pub(super) fn new(a: &RenderArguments, files: &[PathBuf], device: &str) -> Result<Option<Self>> {
         let Some(path) = a.checkpoint.clone() else { return Ok(None) };
-        let absolute =
-            |file: &PathBuf| std::path::absolute(file).map_err(|e| Error::system(file, "find", &e));
         let told = |file: &PathBuf| Ok((absolute(file)?, checkpoint::fingerprint(file)?));
         let header = Header {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -156,6 +154,11 @@ impl Keeper {
     }
 }
 
+/// The same file, wherever joton is started.
+fn absolute(file: &PathBuf) -> Result<PathBuf> {
+    std::path::absolute(file).map_err(|e| Error::system(file, "find", &e))
+}
+
 impl RenderArguments {
     /// What was asked for anew.
     fn go_on_by(&mut self, a: &ResumeArguments) {
@@ -175,8 +178,6 @@ impl RenderArguments {
 
     /// The same, wherever joton is started.
     fn with_absolute_paths(&self) -> Result<Self> {
-        let absolute =
-            |file: &PathBuf| std::path::absolute(file).map_err(|e| Error::system(file, "find", &e));
         let mut told = self.clone();
         told.scene = absolute(&self.scene)?;
         told.output = self.outputs().iter().map(absolute).collect::<Result<_>>()?;

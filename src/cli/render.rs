@@ -123,7 +123,8 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     for path in &outputs {
         kind_of(path)?;
     }
-    check_outputs(&a.scene, outputs.iter().chain(report_file).chain(&a.checkpoint))?;
+    let written = || outputs.iter().chain(report_file).chain(&a.checkpoint);
+    check_outputs(&a.scene, written())?;
     let (seed, shadow_rays, memory, keep) = (a.seed, a.shadow_rays, a.memory, kept(&a.no_skip)?);
     let resolve = a.resolve == Switch::On;
     let mut settings = Settings { seed, shadow_rays, memory, keep, resolve, ..Settings::default() };
@@ -135,7 +136,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     narrator.step("reading the scene");
     let mut scene = joton::scene::load(&a.scene)?;
     setup.lap("reading");
-    output::check_not_read(outputs.iter().chain(report_file).chain(&a.checkpoint), &scene.files)?;
+    output::check_not_read(written(), &scene.files)?;
     if let Some(size) = a.size {
         scene.resize(size);
     }

@@ -228,6 +228,37 @@ impl<'a> BufferPlan<'a> {
     }
 }
 
+/// A plan as the reference machine would keep it, and what it would need: told without a device.
+#[derive(Debug)]
+pub struct Expected {
+    /// The plan, with as many jotons as fit.
+    pub plan: Plan,
+    /// What a few thousand paths meet.
+    pub traffic: Traffic,
+    shapes: MapLayouts,
+    strips: Strips,
+}
+
+impl Expected {
+    /// Look at a scene.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] with need and limit where the least does not fit.
+    pub fn look(scene: &PackedScene, mut plan: Plan) -> Result<Self> {
+        let machine = DeviceLimits::REFERENCE;
+        let traffic = Traffic::look(scene, &plan);
+        let mut shapes = expected_shapes(scene, &plan, machine, &traffic);
+        let strips = fit(scene, &mut plan, &mut shapes, machine)?;
+        Ok(Self { plan, traffic, shapes, strips })
+    }
+
+    /// What the sizes of the buffers follow from.
+    pub fn needs<'a>(&'a self, scene: &'a PackedScene) -> BufferPlan<'a> {
+        let Self { plan, shapes, strips, .. } = self;
+        BufferPlan { scene, plan, machine: DeviceLimits::REFERENCE, shapes: *shapes, strips: *strips }
+    }
+}
+
 /// How a device is expected to cut the maps, before its own pilot: how many jotons lanes store is an estimate.
 pub fn expected_shapes(
     scene: &PackedScene,

@@ -2,6 +2,7 @@
 //! fails, what it has finished stays, and another one goes on from there: passes are independent given their index, and
 //! films are sums.
 
+mod clock;
 mod error_estimate;
 mod state;
 mod static_tiles;
@@ -12,8 +13,8 @@ use crate::film::{Film, Layer, Picture};
 use crate::render::error_estimate::ErrorEstimator;
 use crate::resolve::{Resolved, Resolver};
 use crate::spectrum::{BLACK, add};
+use clock::Clock;
 pub use error_estimate::ErrorEstimate;
-use state::Clock;
 pub use state::RenderState;
 
 /// When to stop; the first that is met. None at all: until the error estimate is [`DEFAULT_ERROR`], at most

@@ -1,5 +1,6 @@
 //! State: what a render has found so far, and the loop that goes on from there.
 
+use super::clock::{Clock, StillToCome};
 use super::{
     DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, ResolvedLayers, Stop, picture,
 };
@@ -397,23 +398,6 @@ impl RenderState {
     }
 }
 
-/// Seconds of what follows.
-#[derive(Debug, Clone, Copy, Default)]
-struct StillToCome {
-    picture: f64,
-    /// Of a pass.
-    pass: f64,
-    /// Passes of the next batch.
-    passes: u64,
-}
-
-impl StillToCome {
-    /// Where another batch would end nearer to the time that is wanted than this one there is one.
-    fn seconds(&self) -> f64 {
-        self.picture + self.pass * self.passes as f64 / 2.0
-    }
-}
-
 /// Passes in all, at most.
 fn most(stop: Stop) -> u64 {
     stop.passes.unwrap_or(PASSES_MAX).min(PASSES_MAX)
@@ -460,31 +444,6 @@ impl Imbalance {
         let mean: f64 = self.batches.iter().map(|b| b.1).sum::<f64>() / passes;
         let per_pass = self.batches.iter().map(|(p, d)| (d - p * mean).powi(2) / p).sum::<f64>() / (n - 1.0);
         Some((per_pass * passes).sqrt() / self.emitted)
-    }
-}
-
-/// Seconds of rendering, without what the watcher does in between.
-#[derive(Debug)]
-pub(super) struct Clock {
-    since: Instant,
-    cpu_since: cpu_time::ProcessTime,
-    before: [f64; 2],
-}
-
-impl Clock {
-    pub(super) fn start() -> Self {
-        Self { since: Instant::now(), cpu_since: cpu_time::ProcessTime::now(), before: [0.0; 2] }
-    }
-
-    /// Seconds, and processor seconds of all threads.
-    pub(super) fn read(&self) -> [f64; 2] {
-        let now = [self.since.elapsed(), self.cpu_since.elapsed()].map(|d| d.as_secs_f64());
-        [self.before[0] + now[0], self.before[1] + now[1]]
-    }
-
-    /// Go on from an earlier reading.
-    fn go_on_from(&mut self, reading: [f64; 2]) {
-        *self = Self { before: reading, ..Self::start() };
     }
 }
 

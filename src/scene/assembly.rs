@@ -77,11 +77,7 @@ impl<'a> Assembly<'a> {
         for used in &file.materials {
             match self.stated(used, &library, path, warnings) {
                 Some(raw) => self.push_stated(&raw, path, used.line, warnings)?,
-                None => {
-                    let name = used.name.as_deref().unwrap_or(UNNAMED);
-                    let origin = Origin { file: path.to_owned(), line: used.line, thin: None };
-                    self.push(Material::matte(name, rule::GREY), origin)
-                }
+                None => self.push_grey(used.name.as_deref(), path, used.line),
             };
         }
         self.first_of.insert(path.to_owned(), first);
@@ -120,8 +116,9 @@ impl<'a> Assembly<'a> {
     }
 
     /// Adds the material of what says nothing of it; its number.
-    pub(super) fn grey(&mut self, path: &Path, line: usize) -> u32 {
-        self.push(Material::matte(UNNAMED, rule::GREY), Origin { file: path.to_owned(), line, thin: None })
+    pub(super) fn push_grey(&mut self, name: Option<&str>, path: &Path, line: usize) -> u32 {
+        let material = Material::matte(name.unwrap_or(UNNAMED), rule::GREY);
+        self.push(material, Origin { file: path.to_owned(), line, thin: None })
     }
 
     /// Adds a material as it is stated, and tells where it is used first; its number.

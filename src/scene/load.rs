@@ -68,7 +68,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     }
     for entry in &description.shapes {
         let material = assembly.made_of(&entry.material, path, entry.line, &mut warnings)?;
-        let material = material.unwrap_or_else(|| assembly.grey(path, entry.line));
+        let material = material.unwrap_or_else(|| assembly.push_grey(None, path, entry.line));
         let mut mesh = entry.shape.mesh();
         mesh.positions.iter_mut().for_each(|p| *p += entry.center);
         assembly.add(entry.transform.mesh(mesh), material, path)?;

@@ -198,22 +198,26 @@ impl<'a> Table<'a> {
         if self.get(key).is_none() { Ok(None) } else { self.vector(key).map(Some) }
     }
 
+    /// Finite numbers, or one that stands for all of them.
+    fn repeated<const N: usize>(&self, key: &str, expected: &str) -> Result<Option<At<[f64; N]>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let values = match finite(value) {
+            Some(all) => Some([all; N]),
+            None => self.numbers(key).and_then(|(values, _)| values),
+        };
+        values.map(|value| Some(At { value, line })).ok_or_else(|| self.wrong(key, line, expected))
+    }
+
     /// Three finite numbers, or one for all.
     pub(crate) fn factors(&self, key: &str) -> Result<Option<At<DVec3>>> {
-        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
-        let values =
-            finite(value).map(|all| [all; 3]).or_else(|| self.numbers(key).and_then(|(values, _)| values));
-        let wrong = || self.wrong(key, line, "three finite numbers: [x, y, z], or one for all");
-        values.map(|v| Some(At { value: v.into(), line })).ok_or_else(wrong)
+        let found = self.repeated::<3>(key, "three finite numbers: [x, y, z], or one for all")?;
+        Ok(found.map(|At { value, line }| At { value: value.into(), line }))
     }
 
     /// Two finite numbers, or one for both.
     pub(crate) fn sides(&self, key: &str) -> Result<Option<At<DVec2>>> {
-        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
-        let values =
-            finite(value).map(|all| [all; 2]).or_else(|| self.numbers(key).and_then(|(values, _)| values));
-        let wrong = || self.wrong(key, line, "two finite numbers: [across, along], or one for both");
-        values.map(|v| Some(At { value: v.into(), line })).ok_or_else(wrong)
+        let found = self.repeated::<2>(key, "two finite numbers: [across, along], or one for both")?;
+        Ok(found.map(|At { value, line }| At { value: value.into(), line }))
     }
 
     /// Three rows of four finite numbers; a fourth row may follow, which is that of every affine map.

@@ -153,8 +153,7 @@ impl GpuBackend {
 
     /// Put on the device what the films of a strip hold of the batch's earlier passes.
     fn send_films(&mut self, strip: Strip) {
-        let mut encoder =
-            self.context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.context.encoder();
         for (layer, name) in Layer::ALL.into_iter().zip(FILMS) {
             match &self.strip_films {
                 Some(layers) if self.plan.traces(layer) => {
