@@ -6,7 +6,7 @@
 
 use crate::film::tile_schedule::{Run, TILE, TileSchedule};
 use crate::film::{Film, LAYERS, Layer, RELATIVE_OFFSET, SAMPLES_MAX, half};
-use crate::resolve::Resolved;
+use crate::resolve::{Resolved, SquaredError};
 use crate::spectrum::{BANDS, BLACK, Bands, add};
 use rayon::prelude::*;
 
@@ -92,8 +92,7 @@ struct Smooth {
     /// After so many passes.
     passes: u64,
     radiance: Vec<Bands>,
-    /// Variance and squared bias.
-    squared_error: Vec<[f32; 2]>,
+    squared_error: Vec<SquaredError>,
 }
 
 /// Exponent of the passes with which the squared error of a resolved layer falls, until it is resolved again.
@@ -104,8 +103,8 @@ const SMOOTH_NOISE_SAFETY: f64 = 3.6;
 const SMOOTH_PASSES: f64 = 4.0;
 /// Width of an image, pixels, that errors shared among neighbours hang together over.
 const SMOOTH_WIDTH: f64 = 16.0;
-/// Factor on its squared bias: what is smaller than the noise of the finest kernels does not show.
-const SMOOTH_SAFETY: f64 = 5.0;
+/// Factor on its squared bias: it is seen through the noise of single pixels.
+const SMOOTH_SAFETY: f64 = 2.0;
 
 /// Relative errors, root mean square over pixels and bands.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -232,7 +231,10 @@ impl ErrorEstimator {
             |of: &dyn Fn(&Resolved) -> Bands| resolved.iter().fold(BLACK, |sum, (_, r)| add(&sum, &of(r)));
         let errors = |p: usize| {
             let each = resolved.iter().map(|(_, r)| r.squared_error[p]);
-            each.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d])
+            each.fold(SquaredError::default(), |a, b| SquaredError {
+                variance: a.variance + b.variance,
+                bias: a.bias + b.bias,
+            })
         };
         self.smooth = Some(Smooth {
             passes: self.film.passes(),
@@ -317,16 +319,16 @@ impl ErrorEstimator {
         let trust = (TRUSTING_PASSES / all).min(1.0);
         let offset = self.offset();
         let [width, height] = self.lattice.size;
-        // noise and squared bias of each row, the latter by blocks across
-        let rows: Vec<(f64, [f64; BLOCKS], [f64; 2])> = (0..height)
+        // of each row, squared biases by blocks across
+        let rows: Vec<Row> = (0..height)
             .into_par_iter()
             .map(|y| {
-                let (mut noise, mut bias, mut smooth_noise, mut smooth_bias) = (0.0, [0.0; BLOCKS], 0.0, 0.0);
+                let mut row = Row::default();
                 for x in 0..width {
                     let p = y * width + x;
                     let (early, sum) = (self.early[p], self.sum(self.lattice.pixel(p)));
                     let smooth = self.smooth.as_ref().map(|s| (s.radiance[p], s.squared_error[p]));
-                    let (resolved, [variance, of_bias]) = smooth.unwrap_or_default();
+                    let (resolved, shared) = smooth.unwrap_or_default();
                     // errors are means over the bands, and as large in each as its light
                     let square_mean =
                         resolved.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / BANDS as f64;
@@ -336,16 +338,17 @@ impl ErrorEstimator {
                         let square = (sum[i] / all + with).powi(2);
                         let common = common_square(means[0] + with, means[1] + with);
                         let weight = trust / (square + offset) + (1.0 - trust) / (common + offset);
-                        noise += (means[0] - means[1]).powi(2) * share * weight;
+                        row.noise += (means[0] - means[1]).powi(2) * share * weight;
                         let part = if square_mean > 0.0 { with * with / square_mean } else { 1.0 };
-                        smooth_noise += smooth_scale * f64::from(variance) * part * weight;
-                        smooth_bias += smooth_scale * f64::from(of_bias) * part * weight;
+                        row.smooth_noise += smooth_scale * f64::from(shared.variance) * part * weight;
+                        row.smooth_bias[x * BLOCKS / width] +=
+                            smooth_scale * f64::from(shared.bias) * part * weight;
                         if let [Some(first), Some(second)] = slopes {
                             let slope = |line: &Line, [p_factor, q_factor]: [f64; 2]| {
                                 p_factor * line.blurred[p][i] - q_factor * line.radiance[p][i]
                             };
                             // what a pixel has too much for the radii is slope times mean blur
-                            bias[x * BLOCKS / width] += slope(&self.lines[0], first)
+                            row.bias[x * BLOCKS / width] += slope(&self.lines[0], first)
                                 * slope(&self.lines[1], second)
                                 * mean_blur
                                 * mean_blur
@@ -353,21 +356,23 @@ impl ErrorEstimator {
                         }
                     }
                 }
-                (noise, bias, [smooth_noise, smooth_bias])
+                row
             })
             .collect();
-        let mut blocks = [0.0; BLOCKS * BLOCKS];
-        for (y, (_, bias, _)) in rows.iter().enumerate() {
-            for (x, b) in bias.iter().enumerate() {
-                blocks[y * BLOCKS / height * BLOCKS + x] += b;
-            }
-        }
         let values = (width * height * BANDS) as f64;
-        let noise_squared = rows.iter().map(|r| r.0).sum::<f64>() / values;
-        let bias_squared = credible(&blocks) / values;
+        let credible_sum = |of: &dyn Fn(&Row) -> [f64; BLOCKS]| {
+            let mut blocks = [0.0; BLOCKS * BLOCKS];
+            for (y, row) in rows.iter().enumerate() {
+                let into = &mut blocks[y * BLOCKS / height * BLOCKS..][..BLOCKS];
+                into.iter_mut().zip(of(row)).for_each(|(block, b)| *block += b);
+            }
+            credible(&blocks) / values
+        };
+        let noise_squared = rows.iter().map(|row| row.noise).sum::<f64>() / values;
+        let smooth_noise = rows.iter().map(|row| row.smooth_noise).sum::<f64>() / values;
+        let bias_squared = credible_sum(&|row| row.bias);
+        let smooth_bias = credible_sum(&|row| row.smooth_bias);
         let believed = (1.0 - trust) * bias_squared;
-        let smooth = |i: usize| rows.iter().map(|r| r.2[i]).sum::<f64>() / values;
-        let [smooth_noise, smooth_bias] = [smooth(0), smooth(1)];
         // shared errors hang together: small images have few that could make up for each other
         let few = 1.0 + SMOOTH_WIDTH / ((width * height) as f64).sqrt();
         let total = NOISE_SAFETY * noise_squared
@@ -380,6 +385,16 @@ impl ErrorEstimator {
             bias: (bias_squared + smooth_bias).sqrt(),
         }
     }
+}
+
+/// Sums over a row of pixels of what squared errors there are, relative to squared radiance.
+#[derive(Debug, Clone, Copy, Default)]
+struct Row {
+    noise: f64,
+    smooth_noise: f64,
+    /// By blocks across.
+    bias: [f64; BLOCKS],
+    smooth_bias: [f64; BLOCKS],
 }
 
 /// Passes from `pass` on, itself among them, that belong to one line; none reaches over a power of two.

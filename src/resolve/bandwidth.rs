@@ -28,8 +28,6 @@ const POOL_NEAR: f32 = 9.0;
 const DOUBT_NEAR: f32 = 4.0;
 /// A step of less than the square root of this in standard errors is no bias.
 const DOUBT: f32 = 2.0;
-/// Factor on both where the error is told, and not the better choice looked for.
-const DOUBT_OF_ERROR: f32 = 4.0;
 /// Kernel pixels over blocks: the equivalent number of equal weights.
 const KERNEL_BLOCKS: f32 = 10.9;
 
@@ -69,18 +67,15 @@ pub(super) struct ChoiceError {
     pub(super) variance: f32,
     /// Squared bias that choices are compared by: a sum of steps, of which those that two choices have in common decide nothing.
     pub(super) bias: f32,
-    /// The part of it that is beyond doubt: chance that looks like bias makes a choice worse, but must not be taken for an error.
-    pub(super) sure_bias: f32,
 }
 
 impl ChoiceError {
     /// Of a choice of which nothing is known.
-    pub(super) const UNKNOWN: Self = Self { variance: UNKNOWN, bias: UNKNOWN, sure_bias: UNKNOWN };
+    pub(super) const UNKNOWN: Self = Self { variance: UNKNOWN, bias: UNKNOWN };
 
     fn add(&mut self, other: &Self, weight: f32) {
         self.variance += weight * other.variance;
         self.bias += weight * other.bias;
-        self.sure_bias += weight * other.sure_bias;
     }
 }
 
@@ -296,8 +291,7 @@ impl<'a> Near<'a> {
 
     /// Squared error of each choice for a layer whose noise is of this kind.
     fn pooled(&self, layer: usize, noise: Noise) -> Errors {
-        let [mut bias, mut sure_bias] = [0.0f32; 2];
-        let mut finer = f32::INFINITY;
+        let (mut bias, mut finer) = (0.0f32, f32::INFINITY);
         std::array::from_fn(|choice| {
             let [reach, widely] = reaches(choice, noise);
             let (mut variance, mut samples) = (0.0f32, 0.0f32);
@@ -318,13 +312,9 @@ impl<'a> Near<'a> {
             let variance = (variance / samples).min(finer);
             let before = std::mem::replace(&mut finer, variance);
             let together = together(choice.saturating_sub(1));
-            let step = |doubt: f32| {
-                let wide = wide.credible(noise, before, together, doubt * DOUBT);
-                wide.max(near.credible(noise, before, together, doubt * DOUBT_NEAR))
-            };
-            bias += BIAS_OF_STEP * step(1.0);
-            sure_bias += BIAS_OF_STEP * step(DOUBT_OF_ERROR);
-            ChoiceError { variance, bias, sure_bias }
+            let wide = wide.credible(noise, before, together, DOUBT);
+            bias += BIAS_OF_STEP * wide.max(near.credible(noise, before, together, DOUBT_NEAR));
+            ChoiceError { variance, bias }
         })
     }
 }

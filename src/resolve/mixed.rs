@@ -1,7 +1,7 @@
 //! Mixed: pixels that show several surfaces. What they found themselves counts as far as it contradicts what neighbours tell of each.
 
-use super::Estimate;
 use super::sources::{LAYERS, Sources};
+use super::{Estimate, SquaredError};
 use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, scale};
 use rayon::prelude::*;
 
@@ -23,7 +23,7 @@ pub(super) fn weighed(
     sources: &Sources<'_>,
     layer: usize,
     shared: &[[Estimate; LAYERS]],
-) -> Vec<(Bands, [f32; 2])> {
+) -> Vec<(Bands, SquaredError)> {
     // one pass has no second half that could say so
     let is_mixed = |pixel: u32| sources.parts[1] > 0.0 && sources.surfaces.is_mixed(pixel as usize);
     let pixels = (0..sources.size[0] * sources.size[1]).into_par_iter();
@@ -35,15 +35,17 @@ pub(super) fn weighed(
         let own = sources.own(layer, pixel);
         let all = &shared[pixel as usize][layer];
         if own.iter().all(is_black) && sources.surfaces.at(pixel as usize).is_empty() {
-            return (BLACK, [0.0; 2]);
+            return (BLACK, SquaredError::default());
         }
         let is_mixed = words[pixel as usize].is_some();
-        let (t, away, alone) = if is_mixed { doubt(sources, layer, &words, pixel) } else { (0.0, 0.0, 0.0) };
+        let (t, alone) = if is_mixed { doubt(sources, layer, &words, pixel) } else { (0.0, 0.0) };
         let mean = sources.mean(&all.halves).map(|x| x.max(0.0));
         let value = add(&scale(&mean, 1.0 - t), &scale(&sources.mean(&own), t));
         let kept = (1.0 - t) * (1.0 - t);
         let weight = sources.weights[pixel as usize];
-        (value, [kept * all.error[0] + t * t * alone, kept * (all.error[1] + away)].map(|e| e / weight))
+        let changes = (0..BANDS).map(|b| (all.halves[0][b] - own[0][b]) * (all.halves[1][b] - own[1][b]));
+        let variance = (kept * all.variance + t * t * alone) / weight;
+        (value, SquaredError { variance, bias: kept * changes.sum::<f32>() / BANDS as f32 })
     };
     pixels.map(of).collect()
 }
@@ -60,9 +62,8 @@ fn word(sources: &Sources<'_>, layer: usize, told: &Estimate, pixel: u32) -> Wor
     Word { bias, variance: weight * sources.variance(layer, &own) }
 }
 
-/// The weight of a pixel's own findings where it shows several surfaces, the squared bias of what neighbours tell, and the variance of
-/// its own, both weighed: from all such pixels around it.
-fn doubt(sources: &Sources<'_>, layer: usize, words: &[Option<Word>], pixel: u32) -> (f32, f32, f32) {
+/// The weight of a pixel's own findings where it shows several surfaces, and their weighed variance: from all such pixels around it.
+fn doubt(sources: &Sources<'_>, layer: usize, words: &[Option<Word>], pixel: u32) -> (f32, f32) {
     let [width, height] = sources.size;
     let [x, y] = [pixel % width, pixel / width];
     let near = |i: u32, n: u32| i.saturating_sub(REACH)..(i + REACH + 1).min(n);
@@ -79,5 +80,5 @@ fn doubt(sources: &Sources<'_>, layer: usize, words: &[Option<Word>], pixel: u32
     let (bias, variance) = (bias / n, variance / n);
     let by_chance = (2.0 * variance).powi(2) / n;
     let bias = sources.noise(layer).credible(bias, by_chance, 0.0, DOUBT);
-    (bias / (bias + variance).max(f32::MIN_POSITIVE), bias, variance)
+    (bias / (bias + variance).max(f32::MIN_POSITIVE), variance)
 }

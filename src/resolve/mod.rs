@@ -49,13 +49,23 @@ pub struct Resolver {
     surfaces: OnceLock<Surfaces>,
 }
 
+/// Squared error of a pixel, (W/(m² sr))², means over the bands.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SquaredError {
+    /// An estimate of the variance.
+    pub variance: f32,
+    /// Product of what sharing changes in each half of the passes: on average the squared bias, but as noisy as the pixel was before; by
+    /// chance it is negative.
+    pub bias: f32,
+}
+
 /// An image of a layer.
 #[derive(Debug, Clone)]
 pub struct Resolved {
     /// Radiance of each pixel, W/(m² sr).
     pub radiance: Vec<Bands>,
-    /// Estimates of its variance and its squared bias, means over the bands.
-    pub squared_error: Vec<[f32; 2]>,
+    /// What is known of its error.
+    pub squared_error: Vec<SquaredError>,
 }
 
 impl Resolver {
@@ -143,12 +153,12 @@ fn share(
 struct Estimate {
     /// As each half of the passes tells it.
     halves: [Bands; 2],
-    /// Variance and squared bias, weighed.
-    error: [f32; 2],
+    /// Weighed.
+    variance: f32,
 }
 
 impl Estimate {
-    const NOTHING: Self = Self { halves: [BLACK; 2], error: [0.0; 2] };
+    const NOTHING: Self = Self { halves: [BLACK; 2], variance: 0.0 };
 }
 
 /// Radiance of each layer of a pixel by what is known of its surfaces.
@@ -160,7 +170,7 @@ fn of_pixel(sources: &Sources<'_>, bandwidths: &Bandwidths, pixel: u32) -> [Esti
         let weight = patch.weight.iter().sum::<f32>() / BANDS as f32;
         for (all, found) in all.iter_mut().zip(&found) {
             all.halves = [0, 1].map(|h| add(&all.halves[h], &mul(&patch.weight, &found.halves[h])));
-            (0..2).for_each(|i| all.error[i] += found.error[i] * weight * weight);
+            all.variance += found.variance * weight * weight;
         }
     }
     all
@@ -189,8 +199,7 @@ fn of_patch(sources: &Sources<'_>, bandwidths: &Bandwidths, pixel: u32, id: usiz
         for (choice, part) in parts.into_iter().enumerate().filter(|(_, part)| *part > 0.0) {
             let Some(halves) = choices.of(layer, choice) else { continue };
             all.halves = [0, 1].map(|h| add(&all.halves[h], &scale(&halves[h], part)));
-            all.error[0] += part * errors[choice].variance;
-            all.error[1] += part * errors[choice].sure_bias;
+            all.variance += part * errors[choice].variance;
         }
     }
     found

@@ -56,22 +56,48 @@ fn all(_: u32) -> bool {
     true
 }
 
-/// On a plane, irradiance that changes evenly loses all but a hundredth of its noise, to the edges of the image; and the estimate says so
-/// within a factor of three.
+/// On a plane, irradiance that changes evenly loses all but a hundredth of its noise, to the edges of the image; and the variance that is told is that
+/// within a factor of three, with no more bias than chance makes.
 #[test]
 fn smooth_light_loses_its_noise() {
     let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 0.5, 1.0)]));
     let truth = |pixel: u32| 1.0 + 0.01 * (pixel % SIZE[0]) as f32 - 0.003 * (pixel / SIZE[0]) as f32;
     let noise = 0.3;
-    let (mut found, mut told) = (0.0, 0.0);
+    let (mut found, mut variance, mut bias) = (0.0, 0.0, 0.0);
     for seed in 0..SEEDS {
         let resolved = shared(&surfaces, truth, noise, seed);
         let squared = error(&resolved, truth, all);
         assert!(squared < 0.01 * noise * noise, "{squared}");
         found += squared;
-        told += resolved.squared_error.iter().flatten().sum::<f32>() / resolved.radiance.len() as f32;
+        variance += mean_of(&resolved, |e| e.variance);
+        bias += mean_of(&resolved, |e| e.bias);
     }
-    assert!(told > found / 3.0 && told < found * 3.0, "{told} told, {found} found");
+    assert!(variance > found / 3.0 && variance < found * 3.0, "{variance} told, {found} found");
+    // a product of two halves, each with twice the variance of both
+    let by_chance = 2.0 * noise * noise * (SEEDS as f32 / (SIZE[0] * SIZE[1]) as f32).sqrt();
+    assert!(bias.abs() < 4.0 * by_chance, "{bias} of bias, {by_chance} by chance");
+}
+
+/// Mean over the pixels of what is told of their errors.
+fn mean_of(resolved: &Resolved, of: impl Fn(&SquaredError) -> f32) -> f32 {
+    resolved.squared_error.iter().map(of).sum::<f32>() / resolved.radiance.len() as f32
+}
+
+/// Light that changes too finely to be seen through the noise is blurred, and most of the error that this makes is told, in the mean over some seeds:
+/// were there none of it, less than half would be.
+#[test]
+fn blur_that_hides_in_the_noise_is_told() {
+    let surfaces = Surfaces::of((0..SIZE[0] * SIZE[1]).map(|pixel| vec![flat(pixel, 0.0, 0.5, 1.0)]));
+    let truth = |pixel: u32| 1.0 + 0.06 * ((pixel % SIZE[0]) as f32 * 0.9).sin();
+    let (mut found, mut told, mut variance) = (0.0, 0.0, 0.0);
+    for seed in 0..4 * SEEDS {
+        let resolved = shared(&surfaces, truth, 0.3, seed);
+        found += error(&resolved, truth, all);
+        told += mean_of(&resolved, |e| e.variance + e.bias);
+        variance += mean_of(&resolved, |e| e.variance);
+    }
+    assert!(found > 2.0 * variance, "{found} found, {variance} of it variance: nothing is hidden");
+    assert!(told > 0.5 * found && told < 1.5 * found, "{told} told, {found} found");
 }
 
 /// The fits of all levels at some pixels: the first band of the first half.
