@@ -20,6 +20,9 @@ use std::sync::Arc;
 /// Most passes of a render: random numbers know a pass by 32 bits, and the last of them is the pilot's.
 pub const PASSES_MAX: u64 = u32::MAX as u64;
 
+/// Passes of a batch, at most, a power of two: they are summed in f32.
+pub const BATCH_PASSES_MAX: u32 = 16;
+
 /// A device that renders passes of a plan. Passes are independent given their index: any order, any split into calls,
 /// gives the same sums up to rounding.
 pub trait Backend {
@@ -44,7 +47,7 @@ pub trait Backend {
         None
     }
 
-    /// How many passes one call should render from `first` on. It depends on the pass only, never on the clock: a call's
+    /// How many passes one call should render from `first` on, at most [`BATCH_PASSES_MAX`]. It depends on the pass only, never on the clock: a call's
     /// passes are summed in f32, and another split would round otherwise.
     fn batch_passes(&self, first: u64) -> u32 {
         let _ = first;

@@ -47,7 +47,7 @@ pub(super) fn run(a: &ResumeArguments) -> Result<u8> {
     let (header, state): (Header, RenderState) = checkpoint::read(&a.checkpoint)?;
     header.check(&a.checkpoint)?;
     let mut arguments = header.arguments.clone();
-    arguments.go_on_by(a);
+    arguments.go_on_by(a)?;
     render::run(&arguments, Some(Saved { header, state }))
 }
 
@@ -65,30 +65,41 @@ pub(super) struct Header {
     /// The device that rendered last.
     pub(super) device: String,
     /// Passes so far.
-    passes: u64,
+    pub(super) passes: u64,
     /// What the scene was read from, and what was in it.
-    files: Vec<(PathBuf, String)>,
+    pub(super) files: Vec<(PathBuf, String)>,
     /// What the render was told.
-    arguments: RenderArguments,
+    pub(super) arguments: RenderArguments,
 }
 
 impl Header {
     /// Refuse what cannot be gone on with.
     fn check(&self, path: &Path) -> Result<()> {
-        let refuse = |what: String| {
-            Err(Error::usage(format!("{}: {what}", path.display()), "render anew, with another --checkpoint"))
-        };
-        let version = env!("CARGO_PKG_VERSION");
-        if self.version != version {
-            return refuse(format!("was written by joton {}, and this is {version}", self.version));
-        }
+        self.check_version(path)?;
         for (file, fingerprint) in &self.files {
             if checkpoint::fingerprint(file)? != *fingerprint {
-                return refuse(format!("{} has changed since", file.display()));
+                return Err(refuse(path, &format!("{} has changed since", file.display())));
             }
         }
         Ok(())
     }
+
+    /// Refuse what another joton wrote.
+    pub(super) fn check_version(&self, path: &Path) -> Result<()> {
+        let version = env!("CARGO_PKG_VERSION");
+        if self.version != version {
+            return Err(refuse(
+                path,
+                &format!("was written by joton {}, and this is {version}", self.version),
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// What cannot be gone on with.
+fn refuse(path: &Path, what: &str) -> Error {
+    Error::usage(format!("{}: {what}", path.display()), "render anew, with another --checkpoint")
 }
 
 /// Writes checkpoints while a render goes on.
@@ -155,14 +166,19 @@ impl Keeper {
 }
 
 /// The same file, wherever joton is started.
-fn absolute(file: &PathBuf) -> Result<PathBuf> {
+pub(super) fn absolute(file: &Path) -> Result<PathBuf> {
     std::path::absolute(file).map_err(|e| Error::system(file, "find", &e))
 }
 
 impl RenderArguments {
     /// What was asked for anew.
-    fn go_on_by(&mut self, a: &ResumeArguments) {
+    fn go_on_by(&mut self, a: &ResumeArguments) -> Result<()> {
         if a.passes.is_some() || a.time.is_some() || a.error.is_some() {
+            if let Some(part) = self.pass_range {
+                let what =
+                    format!("{}: has the passes {part} of a render, and no others", a.checkpoint.display());
+                return Err(Error::usage(what, "leave out --passes, --time and --error"));
+            }
             (self.passes, self.time, self.error) = (a.passes, a.time, a.error);
         }
         if !a.output.is_empty() {
@@ -174,13 +190,14 @@ impl RenderArguments {
         self.checkpoint = Some(a.checkpoint.clone());
         self.report = a.report.clone();
         (self.progress, self.quiet) = (a.progress, a.quiet);
+        Ok(())
     }
 
     /// The same, wherever joton is started.
     fn with_absolute_paths(&self) -> Result<Self> {
         let mut told = self.clone();
         told.scene = absolute(&self.scene)?;
-        told.output = self.outputs().iter().map(absolute).collect::<Result<_>>()?;
+        told.output = self.outputs().iter().map(|file| absolute(file)).collect::<Result<_>>()?;
         Ok(told)
     }
 }

@@ -10,9 +10,11 @@ mod devices;
 mod export;
 mod interrupt;
 mod memory;
+mod merge;
 mod plan;
 mod progress;
 mod render;
+mod slurm;
 #[cfg(feature = "bench")]
 mod versus;
 
@@ -48,6 +50,10 @@ enum Command {
     Render(Box<render::RenderArguments>),
     /// Go on with a render from its checkpoint.
     Resume(checkpoint::ResumeArguments),
+    /// Put parts of a render together, which --pass-range made.
+    Merge(merge::MergeArguments),
+    /// Write, and submit, a cluster's jobs that render a scene: parts by an array of Slurm tasks, and their merge.
+    Slurm(slurm::SlurmArguments),
     /// Read a scene as a render would, and tell what is wrong with it.
     Check(check::CheckArguments),
     /// Tell what a scene needs, what is skipped and why.
@@ -86,6 +92,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
     let code = match arguments.command {
         Command::Render(a) => render::run(&a, None),
         Command::Resume(a) => checkpoint::run(&a),
+        Command::Merge(a) => merge::run(&a),
+        Command::Slurm(a) => slurm::run(&a),
         Command::Check(a) => check::run(&a),
         Command::Plan(a) => plan::run(&a),
         Command::Compare(a) => compare::run(&a),

@@ -11,7 +11,7 @@ use joton::film::paths::LightPaths;
 use joton::output::report::{Circumstances, KernelTime, Report};
 use joton::output::{self, display, exr, png};
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
-use joton::render::{Failure, Progress, Reason, RenderState, Rendered, Stop};
+use joton::render::{Failure, PassRange, Progress, Reason, RenderState, Rendered, Stop};
 use joton::{Error, Result};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -29,10 +29,13 @@ pub(super) struct RenderArguments {
     pub(super) output: Vec<PathBuf>,
     /// Image size, instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    size: Option<[u32; 2]>,
+    pub(super) size: Option<[u32; 2]>,
     /// Stop after this many passes.
     #[arg(long)]
     pub(super) passes: Option<u64>,
+    /// Render these passes alone, from the first to the one before the last number, like 64..128, for joton merge.
+    #[arg(long, value_name = "A..B", requires = "checkpoint", conflicts_with_all = ["passes", "time", "error"])]
+    pub(super) pass_range: Option<PassRange>,
     /// Stop after this many seconds of rendering (set-up is not counted).
     #[arg(long, value_name = "SECONDS")]
     pub(super) time: Option<f64>,
@@ -47,7 +50,7 @@ pub(super) struct RenderArguments {
     pub(super) device: String,
     /// With --device cpu: the plain path tracer instead of the photon mapper.
     #[arg(long)]
-    reference: bool,
+    pub(super) reference: bool,
     /// Light paths to render, from the light (L) to the eye (E) over diffuse (D) and specular (S) surfaces:
     /// "LS+DE", "L(S|D)E", "LD+E".
     #[arg(long, value_name = "EXPR")]
@@ -98,9 +101,37 @@ enum Switch {
 }
 
 impl RenderArguments {
-    /// Where the picture goes. Without -o: NAME.png and NAME.exr in the current folder.
+    /// What changes the plan.
+    pub(super) fn settings(&self) -> Result<Settings> {
+        Ok(Settings {
+            seed: self.seed,
+            paths: self.paths.as_deref().map_or_else(|| Ok(LightPaths::everything()), LightPaths::parse)?,
+            shadow_rays: self.shadow_rays,
+            resolve: self.resolve == Switch::On,
+            memory: self.memory,
+            keep: kept(&self.no_skip)?,
+            is_part: self.pass_range.is_some(),
+        })
+    }
+
+    /// The first option that makes another picture of the same scene than another render's, but for which passes are rendered.
+    pub(super) fn differs(&self, other: &Self) -> Option<&'static str> {
+        let same = [
+            ("--size", self.size == other.size),
+            ("--seed", self.seed == other.seed),
+            ("--reference", self.reference == other.reference),
+            ("--paths", self.paths == other.paths),
+            ("--shadow-rays", self.shadow_rays == other.shadow_rays),
+            ("--no-skip", self.no_skip == other.no_skip),
+            ("--resolve", self.resolve == other.resolve),
+            ("--memory", self.memory == other.memory),
+        ];
+        same.into_iter().find(|(_, is_same)| !is_same).map(|(name, _)| name)
+    }
+
+    /// Where the picture goes. Without -o: NAME.png and NAME.exr in the current folder; nowhere of a part of a render.
     pub(super) fn outputs(&self) -> Vec<PathBuf> {
-        if !self.output.is_empty() {
+        if !self.output.is_empty() || self.pass_range.is_some() {
             return self.output.clone();
         }
         let stem = PathBuf::from(self.scene.file_stem().unwrap_or_default());
@@ -125,12 +156,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     }
     let written = || outputs.iter().chain(report_file).chain(&a.checkpoint);
     check_outputs(&a.scene, written())?;
-    let (seed, shadow_rays, memory, keep) = (a.seed, a.shadow_rays, a.memory, kept(&a.no_skip)?);
-    let resolve = a.resolve == Switch::On;
-    let mut settings = Settings { seed, shadow_rays, memory, keep, resolve, ..Settings::default() };
-    if let Some(paths) = &a.paths {
-        settings.paths = LightPaths::parse(paths)?;
-    }
+    let settings = a.settings()?;
     let mut narrator = Narrator::new(a.progress, a.quiet);
     let mut setup = Laps::from(begin);
     narrator.step("reading the scene");
@@ -140,7 +166,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     if let Some(size) = a.size {
         scene.resize(size);
     }
-    film::check_memory(scene.size)?;
+    film::check_memory(scene.size, a.pass_range.is_some())?;
     narrator.step("building the hierarchy");
     let packed = Arc::new(pack(&scene, &settings)?);
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
@@ -172,7 +198,10 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
             }
             state
         }
-        None => RenderState::new(packed.size),
+        None => match a.pass_range {
+            Some(part) => RenderState::of_part(packed.size, part),
+            None => RenderState::new(packed.size),
+        },
     };
     state.look_ahead();
     let (narrator, keeper) = (RefCell::new(narrator), RefCell::new(keeper));
@@ -252,7 +281,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
 
 /// Write the pictures and the report; where one file cannot be written, the others still are. Those that were, the checkpoint among them,
 /// and what stood in the way of the first that was not.
-fn save(
+pub(super) fn save(
     a: &RenderArguments,
     outputs: &[PathBuf],
     rendered: &Rendered,
@@ -281,7 +310,7 @@ fn save(
 }
 
 /// Name of a file that stands for stdout.
-const STDOUT: &str = "-";
+pub(super) const STDOUT: &str = "-";
 
 /// Seconds from one step to the next, by name.
 struct Laps {
@@ -319,12 +348,12 @@ fn kernel_times(backend: &dyn Backend) -> Vec<KernelTime> {
     kernels
 }
 
-enum Kind {
+pub(super) enum Kind {
     Exr,
     Png,
 }
 
-fn kind_of(path: &Path) -> Result<Kind> {
+pub(super) fn kind_of(path: &Path) -> Result<Kind> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_lowercase).as_deref() {
         Some("exr") => Ok(Kind::Exr),
         Some("png") => Ok(Kind::Png),
@@ -341,7 +370,7 @@ pub(super) fn kept(words: &[String]) -> Result<Vec<Part>> {
 }
 
 /// Find out before rendering whether all files can be written, and that none is written over another.
-fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
+pub(super) fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
     let mut taken: Vec<PathBuf> = Vec::new();
     for path in files {
         output::check_not_read([path], &[scene.to_owned()])?;
@@ -372,7 +401,8 @@ fn checked_stop(a: &RenderArguments) -> Result<Stop> {
             return Err(Error::usage(format!("{name} must be larger than 0"), "give a positive number"));
         }
     }
-    Ok(Stop { passes: a.passes, seconds: a.time, error: a.error })
+    let passes = a.pass_range.map(PassRange::end).or(a.passes);
+    Ok(Stop { passes, seconds: a.time, error: a.error })
 }
 
 /// WxH, 1 to 65,536 each.

@@ -3,6 +3,7 @@
 pub(crate) mod neighbours;
 pub mod paths;
 pub mod stats;
+mod sums;
 pub mod tile_schedule;
 
 use crate::error::{Error, Result};
@@ -10,6 +11,7 @@ use crate::film::tile_schedule::{Run, TILE, TileSchedule};
 use crate::spectrum::{BANDS, Bands};
 use rayon::prelude::*;
 use std::ops::Range;
+use sums::Sums;
 
 /// Bytes of a pixel of a layer: its sum, the last sample where it rests, and a batch of it, whose place the picture takes.
 const LAYER_BYTES: u64 = 24 + 12 + 12;
@@ -22,17 +24,20 @@ const SAMPLE_BYTES: u64 = 120;
 const RESOLVE_BYTES: u64 = 16 + 60 + 70 + 100 + 16;
 /// Bytes of a layer of it: its first half, both means, what blocks found, what came of it, and what it was.
 const RESOLVE_LAYER_BYTES: u64 = 24 + 24 + 43 + 20 + 12;
+/// Bytes more of each sum that is exact.
+const EXACT_BYTES: u64 = 24;
 /// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
 pub const SAMPLES_MAX: u64 = 1 << 19;
 /// Most pixels of an image: they are numbered in 28 bits.
 const PIXELS_MAX: u64 = 1 << 28;
 
 /// Bytes of host memory for an image of which so many layers hold light, and so many are resolved, from the first pass to the written
-/// file, at most. Where a layer is black none are taken.
-pub fn host_bytes(size: [u32; 2], layers: usize, resolved: usize) -> u64 {
+/// file, at most. Where a layer is black none are taken. Sums of a part of a render are exact.
+pub fn host_bytes(size: [u32; 2], layers: usize, resolved: usize, is_part: bool) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let to_resolve = if resolved > 0 { RESOLVE_BYTES + RESOLVE_LAYER_BYTES * resolved as u64 } else { 0 };
-    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64 + to_resolve;
+    let exact = if is_part { EXACT_BYTES * (layers + resolved) as u64 } else { 0 };
+    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64 + to_resolve + exact;
     pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
 }
 
@@ -40,9 +45,9 @@ pub fn host_bytes(size: [u32; 2], layers: usize, resolved: usize) -> u64 {
 ///
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
-pub fn check_memory(size: [u32; 2]) -> Result<()> {
-    let need = host_bytes(size, LAYERS, 0);
-    let most = PIXELS_MAX * (PIXEL_BYTES + LAYER_BYTES * LAYERS as u64);
+pub fn check_memory(size: [u32; 2], is_part: bool) -> Result<()> {
+    let need = host_bytes(size, LAYERS, 0, is_part);
+    let most = PIXELS_MAX * (PIXEL_BYTES + (LAYER_BYTES + EXACT_BYTES) * LAYERS as u64);
     let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
     if need > limit {
         let remedy = "render a smaller image (--size)".to_string();
@@ -124,8 +129,10 @@ pub struct Picture {
 pub struct Film {
     width: u32,
     height: u32,
+    /// The pass that it begins with: 0 but for a part of a render.
+    first: u64,
     passes: u64,
-    sums: [Vec<[f64; BANDS]>; LAYERS],
+    sums: [Sums; LAYERS],
     schedule: TileSchedule,
     /// The last sample of the pixels whose block is longer than a batch; empty before there are any. `sums` has it as often
     /// as its block has passes, those to come among them.
@@ -138,7 +145,7 @@ pub struct Film {
 #[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 struct FirstHalf {
     passes: u64,
-    sums: Vec<(Layer, Vec<[f64; BANDS]>)>,
+    sums: Vec<(Layer, Sums)>,
 }
 
 /// A layer's mean in each half of the passes, and the part of the passes that each half has.
@@ -162,12 +169,22 @@ pub(crate) fn half(pass: u64) -> usize {
 impl Film {
     /// An empty film.
     pub fn new(width: u32, height: u32) -> Self {
+        Self::with_sums(width, height, 0, false)
+    }
+
+    /// An empty film of the passes from `first` on. Sums are exact: parts of a render can be merged.
+    pub(crate) fn of_part(width: u32, height: u32, first: u64) -> Self {
+        Self::with_sums(width, height, first, true)
+    }
+
+    fn with_sums(width: u32, height: u32, first: u64, is_exact: bool) -> Self {
         let n = width as usize * height as usize;
         Self {
             width,
             height,
+            first,
             passes: 0,
-            sums: std::array::from_fn(|_| vec![[0.0; BANDS]; n]),
+            sums: std::array::from_fn(|_| Sums::new(n, is_exact)),
             schedule: TileSchedule::none([width, height]),
             last: Default::default(),
             first_half: None,
@@ -176,7 +193,8 @@ impl Film {
 
     /// From the first pass on, keep the halves of these layers apart.
     pub fn keep_halves(&mut self, layers: &[Layer]) {
-        let sums = layers.iter().map(|layer| (*layer, vec![[0.0; BANDS]; self.sums[0].len()])).collect();
+        let is_exact = matches!(self.sums[0], Sums::Exact(_));
+        let sums = layers.iter().map(|layer| (*layer, Sums::new(self.pixels(), is_exact))).collect();
         self.first_half = Some(FirstHalf { passes: 0, sums });
     }
 
@@ -186,15 +204,16 @@ impl Film {
         let (_, sums) = sums.iter().find(|(of, _)| *of == layer)?;
         let layer = layer as usize;
         let (first, second) = (*passes as f64, (self.passes - passes) as f64);
-        let means = (0..sums.len()).into_par_iter().map(|pixel| {
+        let means = (0..self.pixels()).into_par_iter().map(|pixel| {
             let all = self.sum(layer, pixel);
             let mean = all.map(|x| x / self.passes.max(1) as f64);
             // what rests has no noise, and blocks that are not over
             if second == 0.0 || self.schedule.is_resting(pixel) {
                 return [mean.map(|x| x as f32); 2];
             }
-            let rest = std::array::from_fn(|b| ((all[b] - sums[pixel][b]) / second) as f32);
-            [sums[pixel].map(|x| (x / first) as f32), rest]
+            let early = sums.at(pixel);
+            let rest = std::array::from_fn(|b| ((all[b] - early[b]) / second) as f32);
+            [early.map(|x| (x / first) as f32), rest]
         });
         let (a, b) = means.map(|[a, b]| (a, b)).unzip();
         let part = first / self.passes.max(1) as f64;
@@ -204,6 +223,30 @@ impl Film {
     /// Pixels across and down.
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
+    }
+
+    fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The passes that are summed: the first of them, and the one after the last.
+    pub(crate) fn range(&self) -> Range<u64> {
+        self.first..self.first + self.passes
+    }
+
+    /// Add the passes of another part of the render, which follow this one's.
+    pub(crate) fn merge(&mut self, next: &Self) {
+        assert_eq!((self.size(), self.range().end), (next.size(), next.first), "parts follow each other");
+        for (sums, more) in self.sums.iter_mut().zip(&next.sums) {
+            sums.merge(more);
+        }
+        if let (Some(half), Some(more)) = (&mut self.first_half, &next.first_half) {
+            half.passes += more.passes;
+            for ((_, sums), (_, more)) in half.sums.iter_mut().zip(&more.sums) {
+                sums.merge(more);
+            }
+        }
+        self.passes += next.passes;
     }
 
     /// Passes summed so far.
@@ -219,7 +262,7 @@ impl Film {
     /// From here on these tiles rest. No block of those that do now is open.
     pub fn set_tile_schedule(&mut self, schedule: TileSchedule) {
         if !schedule.is_none() && self.last[0].is_empty() {
-            self.last = std::array::from_fn(|_| vec![[0.0; BANDS]; self.sums[0].len()]);
+            self.last = std::array::from_fn(|_| vec![[0.0; BANDS]; self.pixels()]);
         }
         self.schedule = schedule;
     }
@@ -228,20 +271,29 @@ impl Film {
     /// power of two and begin at a multiple of it, where anything rests.
     pub fn add(&mut self, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
         let width = self.width as usize;
-        let runs = self.schedule.runs(self.passes, passes);
-        let is_first_half = half(self.passes) == 0;
-        if let Some(first_half) = self.first_half.as_mut().filter(|_| is_first_half) {
+        let first = self.range().end;
+        let fits = |layer: &Vec<Bands>| layer.is_empty() || layer.len() == self.pixels();
+        assert!(layers.iter().all(fits), "a batch has as many pixels as the film");
+        let runs = self.schedule.runs(first, passes);
+        let each = width * TILE as usize;
+        let add = |sums: &mut Sums, layer: &[Bands]| {
+            let chunks = sums.chunks_mut(each);
+            in_runs(chunks.into_par_iter(), layer, &runs, width, |sums, pixels, samples, weight| {
+                sums.add(pixels.start, samples, weight);
+            });
+        };
+        if let Some(first_half) = self.first_half.as_mut().filter(|_| half(first) == 0) {
             first_half.passes += passes;
             for (layer, sums) in &mut first_half.sums {
-                in_runs(sums, &layers[*layer as usize], &runs, width, add_weighed);
+                add(sums, &layers[*layer as usize]);
             }
         }
         self.passes += passes;
         for ((sums, last), layer) in self.sums.iter_mut().zip(&mut self.last).zip(layers) {
-            in_runs(sums, layer, &runs, width, add_weighed);
-            in_runs(last, layer, &runs, width, |last, samples, weight| {
+            add(sums, layer);
+            in_runs(last.par_chunks_mut(each), layer, &runs, width, |last, pixels, samples, weight| {
                 if weight > passes {
-                    let pairs = last.iter_mut().zip(samples);
+                    let pairs = last[pixels].iter_mut().zip(samples);
                     pairs.filter(|(last, l)| *last != *l).for_each(|(last, l)| *last = *l);
                 }
             });
@@ -250,8 +302,8 @@ impl Film {
 
     /// Sum over the passes of a layer of a pixel.
     pub(crate) fn sum(&self, layer: usize, pixel: usize) -> [f64; BANDS] {
-        let sum = self.sums[layer][pixel];
-        match self.schedule.pending_at(pixel, self.passes) {
+        let sum = self.sums[layer].at(pixel);
+        match self.schedule.pending_at(pixel, self.range().end) {
             0 => sum,
             pending => {
                 let last = self.last[layer][pixel];
@@ -289,39 +341,25 @@ impl Film {
     }
 }
 
-/// Do something with the pixels of the runs of each row of tiles: with those of sums, those of a batch's layer, and the passes that a sample stands for. A layer
-/// or sums without pixels are left alone.
+/// Do something with the pixels of the runs of each row of tiles: with the row's part of what is kept of the pixels, where they are in it, a
+/// batch's samples of them, and the passes that a sample stands for. A layer without pixels is left alone.
 fn in_runs<T: Send>(
-    sums: &mut [T],
+    rows: impl IndexedParallelIterator<Item = T>,
     layer: &[Bands],
     runs: &[Vec<Run>],
     width: usize,
-    work: impl Fn(&mut [T], &[Bands], u64) + Sync,
+    work: impl Fn(&mut T, Range<usize>, &[Bands], u64) + Sync,
 ) {
-    if sums.is_empty() || layer.is_empty() {
+    if layer.is_empty() {
         return;
     }
-    assert_eq!(sums.len(), layer.len(), "a batch has as many pixels as the film");
     let each = width * TILE as usize;
-    let pixels = sums.par_chunks_mut(each).zip(layer.par_chunks(each));
-    pixels.zip(runs).enumerate().for_each(|(strip, ((sums, layer), runs))| {
+    rows.zip(layer.par_chunks(each)).zip(runs).enumerate().for_each(|(strip, ((mut row, layer), runs))| {
         for run in runs {
-            for row in run.pixels(width) {
-                let local: Range<usize> = row.start - strip * each..row.end - strip * each;
-                work(&mut sums[local.clone()], &layer[local], run.weight);
+            for pixels in run.pixels(width) {
+                let local: Range<usize> = pixels.start - strip * each..pixels.end - strip * each;
+                work(&mut row, local.clone(), &layer[local], run.weight);
             }
         }
     });
-}
-
-/// Add samples that stand for so many passes. Black pixels are left alone: pages of zeros that are never written take no memory.
-fn add_weighed(sums: &mut [[f64; BANDS]], samples: &[Bands], weight: u64) {
-    let weight = weight as f64;
-    for (sum, sample) in sums.iter_mut().zip(samples) {
-        if *sample != [0.0; BANDS] {
-            for b in 0..BANDS {
-                sum[b] += weight * f64::from(sample[b]);
-            }
-        }
-    }
 }

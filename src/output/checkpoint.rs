@@ -1,7 +1,7 @@
 //! Checkpoint: all that a render needs to go on, in a file.
 //!
 //! ```text
-//! joton checkpoint 1\n       what it is, and the version of this layout
+//! joton checkpoint 2\n       what it is, and the version of this layout
 //! { … }\n                    a header of the program's, JSON in one line
 //! …                          a RenderState, by postcard
 //! 8 bytes                    FNV-1a of everything before, little endian
@@ -15,11 +15,11 @@ use crate::render::RenderState;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::hash::Hasher;
-use std::io::{self, Read, Write};
+use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
 /// First line.
-const MAGIC: &str = "joton checkpoint 1\n";
+const MAGIC: &str = "joton checkpoint 2\n";
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
 
@@ -43,22 +43,44 @@ pub fn write(path: &Path, header: &impl Serialize, state: &RenderState) -> Resul
     })
 }
 
+/// An error of what was read.
+fn fault(path: &Path, what: &str) -> Error {
+    Error::usage(format!("{}: {what}", path.display()), "name a file that joton render --checkpoint wrote")
+}
+
+/// What stands in the first line of another file.
+const NO_CHECKPOINT: &str = "is no checkpoint of this version of joton";
+/// What of another joton cannot be read.
+const OTHER_VERSION: &str = "is of another version of joton";
+
+/// Read a header alone. Whether the state behind it is whole is not looked at.
+///
+/// # Errors
+/// As for [`read`].
+pub fn read_header<H: DeserializeOwned>(path: &Path) -> Result<H> {
+    let fail = |e: io::Error| Error::system(path, "read", &e);
+    let mut file = io::BufReader::new(std::fs::File::open(path).map_err(fail)?);
+    let mut magic = vec![0; MAGIC.len()];
+    let is_whole = match file.read_exact(&mut magic) {
+        Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => false,
+        read => read.map(|()| magic == MAGIC.as_bytes()).map_err(fail)?,
+    };
+    if !is_whole {
+        return Err(fault(path, NO_CHECKPOINT));
+    }
+    let mut line = Vec::new();
+    file.read_until(b'\n', &mut line).map_err(fail)?;
+    serde_json::from_slice(&line).map_err(|_| fault(path, OTHER_VERSION))
+}
+
 /// Read a header and a state.
 ///
 /// # Errors
 /// [`Error::Io`] where it cannot be read, [`Error::Usage`] where it is no checkpoint, is damaged, or is of another version.
 pub fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, RenderState)> {
     let bytes = std::fs::read(path).map_err(|e| Error::system(path, "read", &e))?;
-    let fault = |what: &str| {
-        Error::usage(
-            format!("{}: {what}", path.display()),
-            "name a file that joton render --checkpoint wrote",
-        )
-    };
-    let rest = bytes
-        .strip_prefix(MAGIC.as_bytes())
-        .ok_or_else(|| fault("is no checkpoint of this version of joton"))?;
-    let damaged = || fault("is damaged");
+    let rest = bytes.strip_prefix(MAGIC.as_bytes()).ok_or_else(|| fault(path, NO_CHECKPOINT))?;
+    let damaged = || fault(path, "is damaged");
     let (_, hash) = bytes.split_last_chunk::<8>().ok_or_else(damaged)?;
     let (body, _) = rest.split_last_chunk::<8>().ok_or_else(damaged)?;
     let mut found = Fnv::default();
@@ -67,7 +89,7 @@ pub fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, RenderState)> {
         return Err(damaged());
     }
     let end = body.iter().position(|b| *b == b'\n').ok_or_else(damaged)?;
-    let other = || fault("is of another version of joton");
+    let other = || fault(path, OTHER_VERSION);
     let header = serde_json::from_slice(&body[..end]).map_err(|_| other())?;
     let state = postcard::from_bytes(&body[end + 1..]).map_err(|_| other())?;
     Ok((header, state))

@@ -187,7 +187,7 @@ impl<'a> BufferPlan<'a> {
     /// Bytes of host memory beside the buffers, at most.
     pub fn host_bytes(&self) -> u64 {
         let layers = self.plan.layers.iter().filter(|traced| **traced).count();
-        host_bytes(self.scene.size, layers, self.plan.resolved_layers().len())
+        host_bytes(self.scene.size, layers, self.plan.resolved_layers().len(), self.plan.settings.is_part)
     }
 
     /// Check that so many free bytes hold the buffers of a device whose memory is the host's, and what the host needs itself. How

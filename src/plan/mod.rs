@@ -43,6 +43,8 @@ pub struct Settings {
     pub memory: Option<u64>,
     /// What is not skipped, whether the scene needs it or not.
     pub keep: Vec<Part>,
+    /// Only some of the passes are rendered, to be merged with others: the host keeps their sums exact.
+    pub is_part: bool,
 }
 
 impl Settings {
@@ -58,7 +60,7 @@ pub const SHADOW_RAYS: u32 = 2;
 impl Default for Settings {
     fn default() -> Self {
         let (paths, shadow_rays) = (LightPaths::everything(), SHADOW_RAYS);
-        Self { seed: 0, paths, shadow_rays, resolve: true, memory: None, keep: Vec::new() }
+        Self { seed: 0, paths, shadow_rays, resolve: true, memory: None, keep: Vec::new(), is_part: false }
     }
 }
 

@@ -103,6 +103,8 @@ const SMOOTH_NOISE_SAFETY: f64 = 3.6;
 const SMOOTH_PASSES: f64 = 4.0;
 /// Width of an image, pixels, that errors shared among neighbours hang together over.
 const SMOOTH_WIDTH: f64 = 16.0;
+/// Pixels that are told of by one another, and so by chance vary together: squares of 3 × 3 that overlap, (Σ (1 − |i|/3)²)².
+const SMOOTH_BIAS_TOGETHER: f64 = 361.0 / 81.0;
 /// Factor on its squared bias: it is seen through the noise of single pixels.
 const SMOOTH_SAFETY: f64 = 2.0;
 
@@ -165,6 +167,21 @@ impl Line {
         self.moments[1] += n * blur * blur;
     }
 
+    /// Add the sums of other passes.
+    fn merge(&mut self, other: &Self) {
+        self.radiance.resize(self.radiance.len().max(other.radiance.len()), [0.0; BANDS]);
+        self.blurred.resize(self.radiance.len(), [0.0; BANDS]);
+        let add = |sums: &mut [[f64; BANDS]], more: &[[f64; BANDS]]| {
+            for (sum, more) in sums.iter_mut().flatten().zip(more.iter().flatten()) {
+                *sum += more;
+            }
+        };
+        add(&mut self.radiance, &other.radiance);
+        add(&mut self.blurred, &other.blurred);
+        self.passes += other.passes;
+        self.moments = std::array::from_fn(|i| self.moments[i] + other.moments[i]);
+    }
+
     /// Factors (p, q) such that p Σ bL − q Σ L is the slope of the line through radiance L against blur b; none where
     /// nothing is blurred or all passes alike.
     fn slope(&self) -> Option<[f64; 2]> {
@@ -177,14 +194,25 @@ impl Line {
 impl ErrorEstimator {
     /// Nothing rendered yet.
     pub(crate) fn new(size: [u32; 2]) -> Self {
-        Self::with_samples(size, SAMPLES_MAX)
+        Self::with_film(Film::new(size[0], size[1]), SAMPLES_MAX)
+    }
+
+    /// Of the passes of a part of a render, which begins with pass `first`.
+    pub(crate) fn of_part(size: [u32; 2], first: u64) -> Self {
+        Self::with_film(Film::of_part(size[0], size[1], first), SAMPLES_MAX)
     }
 
     /// With at most so many pixels that tell the error.
+    #[cfg(test)]
     fn with_samples(size: [u32; 2], most: u64) -> Self {
+        Self::with_film(Film::new(size[0], size[1]), most)
+    }
+
+    fn with_film(film: Film, most: u64) -> Self {
+        let lattice = Lattice::new(film.size(), most);
         Self {
-            film: Film::new(size[0], size[1]),
-            lattice: Lattice::new(size, most),
+            film,
+            lattice,
             early: Vec::new(),
             early_passes: 0,
             before: None,
@@ -198,10 +226,8 @@ impl ErrorEstimator {
     /// squared radius, relative to the first pass; 0 without maps.
     pub(crate) fn add(&mut self, first: u64, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
         if first.is_power_of_two() {
-            self.before = self.error().map(|e| (first, e));
-            let samples = (0..self.lattice.len()).into_par_iter();
-            self.early = samples.map(|s| self.sum(self.lattice.pixel(s))).collect();
-            self.early_passes = first;
+            self.before = self.error().map(|e| (self.film.passes(), e));
+            self.divide_here();
         }
         if blur > 0.0 {
             let runs = self.film.tile_schedule().runs(first, passes);
@@ -213,6 +239,29 @@ impl ErrorEstimator {
         self.film.add(passes, layers);
     }
 
+    /// Add the passes of the next part of the render. What this one's passes and those of the next tell of each other becomes the error
+    /// estimate where they are more alike in number than the parts before.
+    pub(crate) fn merge(&mut self, next: &Self) {
+        let [before, after] = [&self.film, &next.film].map(Film::passes);
+        let halves = |early: u64| early.abs_diff(before + after - early);
+        if self.early.is_empty() || halves(before) <= halves(self.early_passes) {
+            self.divide_here();
+        }
+        self.before = None;
+        self.smooth = None;
+        for (line, more) in self.lines.iter_mut().zip(&next.lines) {
+            line.merge(more);
+        }
+        self.film.merge(&next.film);
+    }
+
+    /// The passes so far are the early ones.
+    fn divide_here(&mut self) {
+        let samples = (0..self.lattice.len()).into_par_iter();
+        self.early = samples.map(|s| self.sum(self.lattice.pixel(s))).collect();
+        self.early_passes = self.film.passes();
+    }
+
     /// From here on these tiles rest.
     pub(crate) fn set_tile_schedule(&mut self, schedule: TileSchedule) {
         self.film.set_tile_schedule(schedule);
@@ -222,6 +271,11 @@ impl ErrorEstimator {
     pub(crate) fn set_resolves(&mut self, layers: &[Layer]) {
         self.resolves = layers.to_vec();
         self.film.keep_halves(layers);
+    }
+
+    /// Layers that are resolved.
+    pub(crate) fn resolves(&self) -> &[Layer] {
+        &self.resolves
     }
 
     /// The layers as they were resolved now.
@@ -332,6 +386,7 @@ impl ErrorEstimator {
                     // errors are means over the bands, and as large in each as its light
                     let square_mean =
                         resolved.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / BANDS as f64;
+                    let mut of_sharing = 0.0;
                     for i in 0..BANDS {
                         let means = [early[i] / a, (sum[i] - early[i]) / b];
                         let with = f64::from(resolved[i]);
@@ -341,8 +396,7 @@ impl ErrorEstimator {
                         row.noise += (means[0] - means[1]).powi(2) * share * weight;
                         let part = if square_mean > 0.0 { with * with / square_mean } else { 1.0 };
                         row.smooth_noise += smooth_scale * f64::from(shared.variance) * part * weight;
-                        row.smooth_bias[x * BLOCKS / width] +=
-                            smooth_scale * f64::from(shared.bias) * part * weight;
+                        of_sharing += smooth_scale * f64::from(shared.bias) * part * weight;
                         if let [Some(first), Some(second)] = slopes {
                             let slope = |line: &Line, [p_factor, q_factor]: [f64; 2]| {
                                 p_factor * line.blurred[p][i] - q_factor * line.radiance[p][i]
@@ -355,30 +409,33 @@ impl ErrorEstimator {
                                 * weight;
                         }
                     }
+                    row.smooth_bias += of_sharing;
+                    row.smooth_bias_variance += of_sharing * of_sharing;
                 }
                 row
             })
             .collect();
         let values = (width * height * BANDS) as f64;
-        let credible_sum = |of: &dyn Fn(&Row) -> [f64; BLOCKS]| {
-            let mut blocks = [0.0; BLOCKS * BLOCKS];
-            for (y, row) in rows.iter().enumerate() {
-                let into = &mut blocks[y * BLOCKS / height * BLOCKS..][..BLOCKS];
-                into.iter_mut().zip(of(row)).for_each(|(block, b)| *block += b);
-            }
-            credible(&blocks) / values
-        };
-        let noise_squared = rows.iter().map(|row| row.noise).sum::<f64>() / values;
-        let smooth_noise = rows.iter().map(|row| row.smooth_noise).sum::<f64>() / values;
-        let bias_squared = credible_sum(&|row| row.bias);
-        let smooth_bias = credible_sum(&|row| row.smooth_bias);
+        let mut blocks = [0.0; BLOCKS * BLOCKS];
+        for (y, row) in rows.iter().enumerate() {
+            let into = &mut blocks[y * BLOCKS / height * BLOCKS..][..BLOCKS];
+            into.iter_mut().zip(row.bias).for_each(|(block, b)| *block += b);
+        }
+        let sum = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).sum::<f64>();
+        let noise_squared = sum(&|row| row.noise) / values;
+        let smooth_noise = sum(&|row| row.smooth_noise) / values;
+        let bias_squared = credible(blocks.iter().sum(), spread(&blocks)) / values;
         let believed = (1.0 - trust) * bias_squared;
+        let doubt = SMOOTH_BIAS_TOGETHER * sum(&|row| row.smooth_bias_variance);
+        let smooth_bias = credible(sum(&|row| row.smooth_bias), doubt) / values;
+        // a render stops where its error happens to look small: what one standard error hides is counted
+        let bound_of_smooth_bias = smooth_bias.max(doubt.sqrt() / values);
         // shared errors hang together: small images have few that could make up for each other
         let few = 1.0 + SMOOTH_WIDTH / ((width * height) as f64).sqrt();
         let total = NOISE_SAFETY * noise_squared
             + BIAS_SAFETY * believed
             + SMOOTH_NOISE_SAFETY * few * (1.0 + SMOOTH_PASSES / all) * smooth_noise
-            + SMOOTH_SAFETY * smooth_bias;
+            + SMOOTH_SAFETY * bound_of_smooth_bias;
         ErrorEstimate {
             total: total.sqrt(),
             noise: (noise_squared + smooth_noise).sqrt(),
@@ -387,14 +444,16 @@ impl ErrorEstimator {
     }
 }
 
-/// Sums over a row of pixels of what squared errors there are, relative to squared radiance.
+/// Sums over a row of pixels of squared errors, relative to squared radiance.
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     noise: f64,
     smooth_noise: f64,
     /// By blocks across.
     bias: [f64; BLOCKS],
-    smooth_bias: [f64; BLOCKS],
+    smooth_bias: f64,
+    /// Of that sum, by chance, if pixels were independent.
+    smooth_bias_variance: f64,
 }
 
 /// Passes from `pass` on, itself among them, that belong to one line; none reaches over a power of two.
@@ -410,12 +469,16 @@ fn common_square(a: f64, b: f64) -> f64 {
     if a + b > 0.0 { 2.0 * a * b / (a + b) } else { 0.0 }
 }
 
-/// The sum of parts that each are noisy, as far as it is credible: S · S²/(S² + its variance), 0 below 0.
-fn credible(parts: &[f64]) -> f64 {
-    let n = parts.len() as f64;
-    let sum: f64 = parts.iter().sum();
-    let variance = parts.iter().map(|p| (p - sum / n).powi(2)).sum::<f64>() * n / (n - 1.0);
+/// A sum as far as it is credible: S · S²/(S² + its variance), 0 below 0.
+fn credible(sum: f64, variance: f64) -> f64 {
     if sum <= 0.0 { 0.0 } else { sum * sum * sum / (sum * sum + variance) }
+}
+
+/// Variance of the sum of parts that are alike, but for their noise.
+fn spread(parts: &[f64]) -> f64 {
+    let n = parts.len() as f64;
+    let mean = parts.iter().sum::<f64>() / n;
+    parts.iter().map(|p| (p - mean).powi(2)).sum::<f64>() * n / (n - 1.0)
 }
 
 #[cfg(test)]

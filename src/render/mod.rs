@@ -4,6 +4,9 @@
 
 mod clock;
 mod error_estimate;
+mod imbalance;
+mod merge;
+mod pass_range;
 mod state;
 mod static_tiles;
 
@@ -15,6 +18,7 @@ use crate::resolve::{Resolved, Resolver};
 use crate::spectrum::{BLACK, add};
 use clock::Clock;
 pub use error_estimate::ErrorEstimate;
+pub use pass_range::PassRange;
 pub use state::RenderState;
 
 /// When to stop; the first that is met. None at all: until the error estimate is [`DEFAULT_ERROR`], at most

@@ -1,8 +1,10 @@
 //! State: what a render has found so far, and the loop that goes on from there.
 
 use super::clock::{Clock, StillToCome};
+use super::imbalance::Imbalance;
 use super::{
-    DEFAULT_ERROR, DEFAULT_SECONDS, Failure, Progress, Reason, Rendered, ResolvedLayers, Stop, picture,
+    DEFAULT_ERROR, DEFAULT_SECONDS, Failure, PassRange, Progress, Reason, Rendered, ResolvedLayers, Stop,
+    picture,
 };
 use crate::backend::{Backend, Batch, HostSeconds, HostWork, PASSES_MAX, Tally, guarded};
 use crate::error::Result;
@@ -12,7 +14,7 @@ use crate::film::tile_schedule::{EXPONENT_MAX, TileSchedule};
 use crate::render::error_estimate::{self, ErrorEstimate, ErrorEstimator};
 use crate::render::static_tiles::StaticTiles;
 use crate::resolve::Resolver;
-use crate::spectrum::BANDS;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -28,20 +30,23 @@ const ERROR_PASSES: u64 = 4;
 /// What a render has found so far: all that it takes to go on.
 #[derive(Debug, serde::Serialize, serde::Deserialize)]
 pub struct RenderState {
-    size: [u32; 2],
-    sums: ErrorEstimator,
+    pub(super) size: [u32; 2],
+    pub(super) sums: ErrorEstimator,
     /// Who may rest, where the first device lets pixels rest.
     static_tiles: Option<StaticTiles>,
     glimpses: split_paths::Watch,
     /// Who had trees last.
     glints: Option<SplitPaths>,
-    tally: Tally,
-    imbalance: Imbalance,
-    passes: u64,
-    error: Option<ErrorEstimate>,
+    /// Where it is a part of a render, which.
+    pub(super) part: Option<PassRange>,
+    pub(super) tally: Tally,
+    pub(super) imbalance: Imbalance,
+    /// The next one.
+    pub(super) pass: u64,
+    pub(super) error: Option<ErrorEstimate>,
     /// Seconds of rendering, and processor seconds of all threads.
-    reading: [f64; 2],
-    failures: Vec<Failure>,
+    pub(super) reading: [f64; 2],
+    pub(super) failures: Vec<Failure>,
     /// Of this process.
     #[serde(skip)]
     host: HostSeconds,
@@ -65,15 +70,27 @@ pub struct RenderState {
 impl RenderState {
     /// Nothing rendered yet.
     pub fn new(size: [u32; 2]) -> Self {
+        Self::with_sums(size, ErrorEstimator::new(size), None)
+    }
+
+    /// Nothing rendered yet of a part of a render. Parts can be merged, by [`RenderState::merge`], into the very sums of a part that has all
+    /// their passes. What a render decides by what it sees, it decides in its first [`PassRange::HEAD`] passes; a part that begins later
+    /// renders these, too, where there is something to decide, and forgets their light.
+    pub fn of_part(size: [u32; 2], range: PassRange) -> Self {
+        Self::with_sums(size, ErrorEstimator::of_part(size, 0), Some(range))
+    }
+
+    fn with_sums(size: [u32; 2], sums: ErrorEstimator, part: Option<PassRange>) -> Self {
         Self {
             size,
-            sums: ErrorEstimator::new(size),
+            sums,
             static_tiles: None,
             glimpses: split_paths::Watch::new(size),
             glints: None,
+            part,
             tally: Tally::default(),
             imbalance: Imbalance::default(),
-            passes: 0,
+            pass: 0,
             error: None,
             reading: [0.0; 2],
             failures: Vec::new(),
@@ -84,6 +101,11 @@ impl RenderState {
             resolver: None,
             resolved: Vec::new(),
         }
+    }
+
+    /// How pictures are smoothed, where no device says so: of a state that was stored.
+    pub fn set_resolver(&mut self, resolver: Option<Arc<Resolver>>) {
+        self.resolver = resolver;
     }
 
     /// From now on a device that works beside the host begins with the next batch while the host adds up the last one. Watchers then
@@ -97,9 +119,32 @@ impl RenderState {
         self.size
     }
 
-    /// Passes in the picture: the first so many.
+    /// Passes in the picture.
     pub fn passes(&self) -> u64 {
-        self.passes
+        if self.is_in_head() { 0 } else { self.sums.film().passes() }
+    }
+
+    /// The passes in the picture: the first, and the one after the last.
+    pub fn range(&self) -> Range<u64> {
+        self.sums.film().range()
+    }
+
+    /// Whether it is a part of a render.
+    pub fn part(&self) -> Option<PassRange> {
+        self.part
+    }
+
+    /// Whether the passes so far come before those of the part, to decide what it must know.
+    fn is_in_head(&self) -> bool {
+        self.part.is_some_and(|part| self.pass < part.first())
+    }
+
+    /// Forget the light of the head: the part begins.
+    fn begin_part(&mut self, part: PassRange) {
+        let mut sums = ErrorEstimator::of_part(self.size, part.first());
+        sums.set_resolves(self.sums.resolves());
+        (self.sums, self.pass) = (sums, part.first());
+        (self.tally, self.imbalance) = Default::default();
     }
 
     /// Render until `stop` on `backend`; where it fails, go on with what `next` gives. Why it stopped, and the device that was
@@ -119,7 +164,7 @@ impl RenderState {
                 Ok(reason) => return Ok((reason, backend)),
                 Err(e) => e,
             };
-            let failure = Failure { device: backend.describe(), passes: self.passes, what: e.to_string() };
+            let failure = Failure { device: backend.describe(), passes: self.passes(), what: e.to_string() };
             // its memory is free before the next one asks for some; where even that fails, nothing better can be done
             guarded(|| drop(backend)).ok();
             let found = next(&failure);
@@ -144,7 +189,7 @@ impl RenderState {
             stop
         };
         self.resolver = backend.resolver();
-        if self.passes > 0
+        if self.pass > 0
             && let Some(reason) = self.reason(stop, true)
         {
             return Ok(reason);
@@ -171,11 +216,11 @@ impl RenderState {
             self.still_to_come.picture = RESOLVE_OVER_LOOK * begin.elapsed().as_secs_f64();
         }
         loop {
-            let count = self.batch_passes(backend, self.passes, stop);
+            let count = self.batch_passes(backend, self.pass, stop);
             let begin = Instant::now();
             let added = self.add_batch(backend, count, stop);
             self.still_to_come.pass = begin.elapsed().as_secs_f64() / count as f64;
-            self.still_to_come.passes = self.batch_passes(backend, self.passes, stop);
+            self.still_to_come.passes = self.batch_passes(backend, self.pass, stop);
             if stop.error.is_some() {
                 self.renew_estimate(stop);
             }
@@ -194,10 +239,12 @@ impl RenderState {
     /// Tell a backend who rests and who has trees.
     fn set_up(&mut self, backend: &mut dyn Backend) -> Result<()> {
         let can_rest = backend.set_tile_schedule(&TileSchedule::none(self.size));
-        if self.passes == 0 {
+        if self.pass == 0 {
             if let Some(resolver) = &self.resolver {
                 self.sums.set_resolves(resolver.layers());
             }
+            // who rests is decided by all passes before
+            let can_rest = can_rest && self.part.is_none();
             self.static_tiles = can_rest.then(|| StaticTiles::new(self.size));
             return Ok(());
         }
@@ -233,7 +280,7 @@ impl RenderState {
     /// Passes of the batch that a device may begin with while the one of `count` passes is added up: where nothing is decided in between,
     /// and it looks as if the picture will need it.
     fn batch_ahead(&self, backend: &dyn Backend, count: u64, stop: Stop) -> Option<u64> {
-        let after = self.passes + count;
+        let after = self.pass + count;
         // who rests and who has trees is told at powers of two
         if !self.looks_ahead || !backend.works_beside_host() || after.is_power_of_two() || after >= most(stop)
         {
@@ -253,10 +300,10 @@ impl RenderState {
         let ahead = self.batch_ahead(backend, count, stop);
         self.is_ahead = ahead.is_some();
         if let Some(ahead) = ahead {
-            backend.begin(self.passes, count as u32)?;
-            backend.begin(self.passes + count, ahead as u32)?;
+            backend.begin(self.pass, count as u32)?;
+            backend.begin(self.pass + count, ahead as u32)?;
         }
-        let rendered = backend.render(self.passes, count as u32);
+        let rendered = backend.render(self.pass, count as u32);
         let between = backend.take_host_seconds();
         self.host += between;
         self.host
@@ -266,21 +313,23 @@ impl RenderState {
         for layer in Layer::ALL.into_iter().filter(|l| !backend.traces(*l)) {
             batch.layers[layer as usize] = Vec::new();
         }
-        let blur = mean_blur(backend, self.passes, count);
-        self.host.time(HostWork::Summing, || self.sums.add(self.passes, count, &batch.layers, blur));
+        let blur = mean_blur(backend, self.pass, count);
+        self.host.time(HostWork::Summing, || self.sums.add(self.pass, count, &batch.layers, blur));
         let (begin, mut lists) = (Instant::now(), Duration::ZERO);
         self.tally += batch.tally;
         self.imbalance.add(count, &batch.tally);
         if let Some(static_tiles) = &mut self.static_tiles {
-            static_tiles.watch(self.passes, count, &batch.layers);
+            static_tiles.watch(self.pass, count, &batch.layers);
         }
-        self.passes += count;
-        if is_estimated(self.passes) {
+        let head_of = self.part.filter(|_| self.is_in_head());
+        self.pass += count;
+        if is_estimated(self.passes()) {
             self.error = self.sums.error();
         }
         if let Some(glints) = backend.split_paths() {
             self.glimpses.watch(count, &batch.layers[Layer::Emission as usize], glints);
-            if self.passes > 1 && self.passes.is_power_of_two() {
+            let may_grow = self.part.is_none() || self.pass <= PassRange::HEAD;
+            if self.pass > 1 && self.pass.is_power_of_two() && may_grow {
                 let grown = self.glimpses.grown(glints, self.sums.film());
                 self.glints = Some(grown.clone());
                 let begin = Instant::now();
@@ -290,18 +339,22 @@ impl RenderState {
         }
         match &mut self.static_tiles {
             Some(static_tiles) => {
-                if let Some(schedule) = static_tiles.renew(self.passes, backend.split_paths()) {
+                if let Some(schedule) = static_tiles.renew(self.pass, backend.split_paths()) {
                     backend.set_tile_schedule(schedule);
                     self.sums.set_tile_schedule(schedule.clone());
                 }
             }
             // all blocks end here
-            None if self.passes.is_multiple_of(1 << EXPONENT_MAX)
+            None if self.pass.is_multiple_of(1 << EXPONENT_MAX)
                 && !self.sums.film().tile_schedule().is_none() =>
             {
                 self.sums.set_tile_schedule(TileSchedule::none(self.size));
             }
             None => {}
+        }
+        let is_decided = self.pass >= PassRange::HEAD || backend.split_paths().is_none();
+        if let Some(part) = head_of.filter(|_| is_decided) {
+            self.begin_part(part);
         }
         self.host.add(HostWork::Statistics, begin.elapsed() - lists);
         self.host.add(HostWork::Lists, lists);
@@ -312,7 +365,7 @@ impl RenderState {
     /// Where the picture is resolved, its error is known when it is: at powers of four of passes, and where it may be small enough.
     fn renew_estimate(&mut self, stop: Stop) {
         let Some(resolver) = self.resolver.clone() else { return };
-        let passes = self.passes;
+        let passes = self.passes();
         let is_due = passes >= ERROR_PASSES && passes.is_power_of_two() && passes.ilog2().is_multiple_of(2);
         let may_stop = self.error.is_some_and(|e| stop.error.is_some_and(|limit| e.total <= limit));
         let is_known = self.sums.resolved_at() == Some(passes);
@@ -337,13 +390,14 @@ impl RenderState {
             (Some(e), Some(l)) => (l / e.total).powi(2),
             _ => 0.0,
         };
-        let by_passes = part(self.passes as f64, stop.passes.map(|p| p as f64));
+        let passes = self.passes();
+        let first = self.part.map_or(0, PassRange::first);
+        let by_passes = part(passes as f64, stop.passes.map(|end| end.saturating_sub(first) as f64));
         let done = by_passes.max(part(seconds, stop.seconds)).max(by_error).min(1.0);
-        let (passes, error) = (self.passes, self.error);
         Progress {
             passes,
             seconds,
-            error,
+            error: self.error,
             done,
             cpu_seconds,
             tally: &self.tally,
@@ -356,7 +410,7 @@ impl RenderState {
     /// Why to stop here, if so.
     fn reason(&self, stop: Stop, go_on: bool) -> Option<Reason> {
         let is_small = |limit: f64| self.error.is_some_and(|e| e.total <= limit);
-        if self.passes >= most(stop) {
+        if self.pass >= most(stop) {
             Some(Reason::Passes)
         } else if stop.error.is_some_and(is_small) {
             Some(Reason::Error)
@@ -372,7 +426,7 @@ impl RenderState {
     /// The picture of the passes so far, and what is known of it.
     pub fn finish(mut self, reason: Reason) -> Rendered {
         let clock = Clock::start();
-        let passes = self.passes;
+        let passes = self.passes();
         // a state that was stored comes without
         let is_resolved = self.sums.resolved_at() == Some(passes) && !self.resolved.is_empty();
         if let Some(resolver) = self.resolver.clone().filter(|_| !is_resolved) {
@@ -385,7 +439,7 @@ impl RenderState {
         let [seconds, cpu_seconds] = [0, 1].map(|i| self.reading[i] + spent[i]);
         Rendered {
             picture,
-            passes: self.passes,
+            passes,
             seconds,
             cpu_seconds,
             tally: self.tally,
@@ -418,33 +472,6 @@ fn is_estimated(passes: u64) -> bool {
 /// Mean of the maps' blur over `count` passes.
 fn mean_blur(backend: &dyn Backend, first: u64, count: u64) -> f64 {
     (first..first + count).map(|pass| backend.blur(pass)).sum::<f64>() / count as f64
-}
-
-/// Spread between batches of emitted − absorbed − escaped.
-#[derive(Debug, Default, serde::Serialize, serde::Deserialize)]
-struct Imbalance {
-    batches: Vec<(f64, f64)>,
-    emitted: f64,
-}
-
-impl Imbalance {
-    fn add(&mut self, passes: u64, t: &Tally) {
-        let total = |x: &[f64; BANDS]| x.iter().sum::<f64>();
-        self.batches.push((passes as f64, total(&t.emitted) - total(&t.absorbed) - total(&t.escaped)));
-        self.emitted += total(&t.emitted);
-    }
-
-    /// Standard error of the sum over the emitted flux.
-    fn relative_error(&self) -> Option<f64> {
-        let n = self.batches.len() as f64;
-        if n < 2.0 || self.emitted <= 0.0 {
-            return None;
-        }
-        let passes: f64 = self.batches.iter().map(|b| b.0).sum();
-        let mean: f64 = self.batches.iter().map(|b| b.1).sum::<f64>() / passes;
-        let per_pass = self.batches.iter().map(|(p, d)| (d - p * mean).powi(2) / p).sum::<f64>() / (n - 1.0);
-        Some((per_pass * passes).sqrt() / self.emitted)
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Mixed: pixels that show several surfaces. What they found themselves counts as far as it contradicts what neighbours tell of each.
 
+use super::Estimate;
 use super::sources::{LAYERS, Sources};
-use super::{Estimate, SquaredError};
 use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, scale};
 use rayon::prelude::*;
 
@@ -18,12 +18,22 @@ struct Word {
     variance: f32,
 }
 
-/// Radiance of a layer of each pixel, of what neighbours tell and of its own findings, and its squared error.
-pub(super) fn weighed(
-    sources: &Sources<'_>,
-    layer: usize,
-    shared: &[[Estimate; LAYERS]],
-) -> Vec<(Bands, SquaredError)> {
+/// A pixel of a layer: of what neighbours tell and of its own findings.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mixed {
+    pub(super) radiance: Bands,
+    /// In the mean over the bands.
+    pub(super) variance: f32,
+    /// What both halves of the passes have too much for what they found in the pixel itself.
+    pub(super) changes: [Bands; 2],
+}
+
+impl Mixed {
+    const BLACK: Self = Self { radiance: BLACK, variance: 0.0, changes: [BLACK; 2] };
+}
+
+/// Each pixel of a layer.
+pub(super) fn weighed(sources: &Sources<'_>, layer: usize, shared: &[[Estimate; LAYERS]]) -> Vec<Mixed> {
     // one pass has no second half that could say so
     let is_mixed = |pixel: u32| sources.parts[1] > 0.0 && sources.surfaces.is_mixed(pixel as usize);
     let pixels = (0..sources.size[0] * sources.size[1]).into_par_iter();
@@ -35,17 +45,16 @@ pub(super) fn weighed(
         let own = sources.own(layer, pixel);
         let all = &shared[pixel as usize][layer];
         if own.iter().all(is_black) && sources.surfaces.at(pixel as usize).is_empty() {
-            return (BLACK, SquaredError::default());
+            return Mixed::BLACK;
         }
         let is_mixed = words[pixel as usize].is_some();
         let (t, alone) = if is_mixed { doubt(sources, layer, &words, pixel) } else { (0.0, 0.0) };
         let mean = sources.mean(&all.halves).map(|x| x.max(0.0));
-        let value = add(&scale(&mean, 1.0 - t), &scale(&sources.mean(&own), t));
-        let kept = (1.0 - t) * (1.0 - t);
-        let weight = sources.weights[pixel as usize];
-        let changes = (0..BANDS).map(|b| (all.halves[0][b] - own[0][b]) * (all.halves[1][b] - own[1][b]));
-        let variance = (kept * all.variance + t * t * alone) / weight;
-        (value, SquaredError { variance, bias: kept * changes.sum::<f32>() / BANDS as f32 })
+        let radiance = add(&scale(&mean, 1.0 - t), &scale(&sources.mean(&own), t));
+        let kept = 1.0 - t;
+        let variance = (kept * kept * all.variance + t * t * alone) / sources.weights[pixel as usize];
+        let changes = [0, 1].map(|h| std::array::from_fn(|b| kept * (all.halves[h][b] - own[h][b])));
+        Mixed { radiance, variance, changes }
     };
     pixels.map(of).collect()
 }

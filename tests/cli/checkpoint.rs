@@ -1,22 +1,12 @@
 //! Checkpoints: a render that was stopped, or killed, goes on to the picture that it would have been.
 
-use crate::folder::{Folder, QUICK};
+use crate::folder::{Folder, QUICK, bits, devices};
 use std::fs;
 use std::process::Stdio;
 use std::time::Duration;
 
 /// Passes of the whole render.
 const PASSES: u64 = 40;
-
-fn devices() -> Vec<&'static str> {
-    let without_gpu = std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1");
-    if without_gpu { vec!["cpu"] } else { vec!["cpu", "gpu"] }
-}
-
-/// Bits of a picture.
-fn bits(folder: &Folder, name: &str) -> Vec<u32> {
-    folder.image(name).pixels.iter().flatten().map(|x| x.to_bits()).collect()
-}
 
 /// A render that ends early and goes on has the bits, the error and the counts of one that never ended, on every device; and goes on
 /// once more.

@@ -12,15 +12,18 @@ use tempfile::TempDir;
 /// After this a program that should have ended counts as hung.
 const HUNG: Duration = Duration::from_secs(60);
 
-/// A folder with the Cornell box in it, and the program to run there.
+/// A folder with some scenes in it, and the program to run there.
 pub struct Folder(TempDir);
 
 impl Folder {
     pub fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-        for file in ["cornell.toml", "cornell.obj", "cornell.mtl", "ring.toml", "ring.obj", "ring.mtl"] {
-            fs::copy(scenes.join(file), folder.path().join(file)).expect("a copy of the scene");
+        for scene in ["cornell", "ring", "spheres"] {
+            for kind in ["toml", "obj", "mtl"] {
+                let file = format!("{scene}.{kind}");
+                fs::copy(scenes.join(&file), folder.path().join(&file)).expect("a copy of the scene");
+            }
         }
         Self(folder)
     }
@@ -111,6 +114,17 @@ impl Ended {
             assert!(self.stderr.contains(part), "joton {words}: {:?} does not say {part:?}", self.stderr);
         }
     }
+}
+
+/// The devices that are tested.
+pub fn devices() -> Vec<&'static str> {
+    let without_gpu = std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1");
+    if without_gpu { vec!["cpu"] } else { vec!["cpu", "gpu"] }
+}
+
+/// Bits of a picture.
+pub fn bits(folder: &Folder, name: &str) -> Vec<u32> {
+    folder.image(name).pixels.iter().flatten().map(|x| x.to_bits()).collect()
 }
 
 /// The fastest render there is.

@@ -10,6 +10,7 @@ mod files;
 mod folder;
 mod images;
 mod inputs;
+mod merge;
 mod plan;
 mod refusals;
 mod report;

@@ -25,7 +25,7 @@ pub use device_buffers::Buffers;
 pub use kernel::{BoundKernel, Kernel};
 pub use shaders::{SOURCES, Variant, link, link_source};
 
-use crate::backend::{Backend, Batch, HostSeconds, HostWork, Spare};
+use crate::backend::{BATCH_PASSES_MAX, Backend, Batch, HostSeconds, HostWork, Spare};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::SplitPaths;
@@ -53,8 +53,6 @@ use std::time::Instant;
 use strips::Kept;
 use tiles::Tiles;
 
-/// Passes of a batch on a GPU, at most: they are summed in f32.
-const BATCH_PASSES: u64 = 16;
 /// Times that a batch is rendered with more room or smaller loops before the device is taken for broken.
 const BATCH_TRIES: u32 = 12;
 /// Dispatches of the trace kernel that are tried before the device is taken for broken.
@@ -325,7 +323,7 @@ impl Backend for GpuBackend {
         if self.context.is_software() {
             1
         } else {
-            (first.next_power_of_two() / 2).clamp(1, BATCH_PASSES) as u32
+            (first.next_power_of_two() / 2).clamp(1, BATCH_PASSES_MAX.into()) as u32
         }
     }
 
