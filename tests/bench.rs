@@ -126,7 +126,7 @@ fn bench_leaves_tables_and_a_plot() {
 
     let plot = read("b.svg");
     assert!(plot.starts_with("<svg") && plot.trim_end().ends_with("</svg>"));
-    for text in ["cornell", "cpu-reference", "processor seconds", "relMSE"] {
+    for text in ["cornell", "joton, cpu", "path tracer", "CPU seconds", "relMSE"] {
         assert!(plot.contains(text), "the plot says {text}");
     }
     // two devices in two panels: four curves and two points on each
@@ -148,6 +148,29 @@ fn bench_works_without_a_reference() {
     assert!(plot.contains("estimated relMSE"));
     assert_eq!(plot.matches("<circle").count(), 2 * estimates, "in two panels");
     assert!(estimates > 0);
+}
+
+/// `--cpu-seconds`: a step is reached by processor seconds, of which two threads have two in a second; the plot is over
+/// these alone.
+#[test]
+fn bench_goes_by_processor_seconds() {
+    let folder = folder();
+    let ended = joton(
+        &folder,
+        "bench cornell.toml --size 16x16 --device cpu-reference --cpu-seconds --times 0.5,1 -o b",
+    );
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let rows = fs::read_to_string(folder.path().join("b.csv")).expect("a table");
+    let (steps, seconds) = (numbers(&rows, "step"), numbers(&rows, "cpu_seconds"));
+    assert_eq!(steps, [0.5, 1.0]);
+    for (step, seconds) in steps.iter().zip(&seconds) {
+        // passes are of milliseconds
+        assert!((*step..1.5 * step).contains(seconds), "{seconds} CPU s at {step}");
+    }
+    let plot = fs::read_to_string(folder.path().join("b.svg")).expect("a plot");
+    let estimates = column(&rows, "error_estimate").iter().filter(|c| !c.is_empty()).count();
+    assert_eq!(plot.matches("<circle").count(), estimates, "in one panel");
+    assert_eq!([plot.matches("CPU seconds").count(), plot.matches("seconds").count()], [1, 1]);
 }
 
 /// What cannot be measured is refused before anything is rendered.

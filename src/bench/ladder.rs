@@ -86,6 +86,7 @@ fn summary(subject: &Subject<'_>, step: f64, rows: &[&Row], spread: &Spread) -> 
     Summary {
         scene: subject.scene.into(),
         device: subject.device.into(),
+        device_name: rows.first().map_or(String::new(), |r| r.device_name.clone()),
         step,
         seeds: rows.len() as u32,
         seconds: mean(&|r| r.seconds),

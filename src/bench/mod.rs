@@ -13,7 +13,7 @@ pub mod versus;
 pub use csv::{kernels_csv, runs_csv, summary_csv};
 pub use plot::error_plot;
 pub use run::{Measured, measure};
-pub use subject::Subject;
+pub use subject::{Clock, Subject};
 
 use crate::output::compare::Comparison;
 
@@ -75,6 +75,8 @@ pub struct Summary {
     pub scene: String,
     /// The device as it was asked for.
     pub device: String,
+    /// The device's own words.
+    pub device_name: String,
     /// The step of the ladder, seconds.
     pub step: f64,
     /// Seeds that got there.

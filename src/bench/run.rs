@@ -52,7 +52,8 @@ fn climb(
         let (mut steps_done, mut go_on, mut failure) = (0, true, None);
         let rendered = render(backend.as_mut(), subject.size, stop, |progress| {
             // a slow pass may skip steps: its picture belongs to the last one that it reached
-            let reached = subject.times.partition_point(|t| *t <= progress.seconds);
+            let time = subject.clock.read(progress.seconds, progress.cpu_seconds);
+            let reached = subject.times.partition_point(|t| *t <= time);
             if reached == steps_done {
                 return true;
             }

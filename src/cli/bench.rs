@@ -4,7 +4,7 @@ use super::versus::{Peer, Versus};
 use super::{DONE, INTERRUPTED, device, interrupt, memory, say, tell};
 use clap::Args;
 use joton::bench::{
-    KernelRow, Row, Subject, Summary, error_plot, kernels_csv, measure, runs_csv, summary_csv,
+    Clock, KernelRow, Row, Subject, Summary, error_plot, kernels_csv, measure, runs_csv, summary_csv,
 };
 use joton::film::paths::LightPaths;
 use joton::film::{Image, check_memory};
@@ -34,6 +34,9 @@ pub(super) struct BenchArguments {
     /// Seconds of rendering at which the picture is looked at; processor seconds for other renderers.
     #[arg(long, value_name = "SECONDS,…", value_delimiter = ',', default_value = "0.5,1,2,4,8")]
     times: Vec<f64>,
+    /// Steps are processor seconds on joton's devices, too, and the plot is over these alone.
+    #[arg(long)]
+    cpu_seconds: bool,
     /// Other renderers to measure beside, by name or by name and algorithm: mitsuba, mitsuba+oidn (denoised), luxcore,
     /// mitsuba-path, …; needs Python with their packages.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with = "paths")]
@@ -124,7 +127,8 @@ pub(super) fn run(a: &BenchArguments) -> Result<u8> {
         if a.timings {
             saved = saved.and(output::write_text(&files[3], &kernels_csv(&found.kernels)));
         }
-        let plot = error_plot(&found.summaries).map_err(|e| Error::io(&files[2], "write", e));
+        let clocks = if a.cpu_seconds { &[Clock::Cpu][..] } else { &[Clock::Cpu, Clock::Wall] };
+        let plot = error_plot(&found.summaries, clocks).map_err(|e| Error::io(&files[2], "write", e));
         saved.and(plot.and_then(|plot| output::write_text(&files[2], &plot)))?;
     }
     measured?;
@@ -167,6 +171,7 @@ fn measure_all(
             size: scene.packed.size,
             reference: scene.reference.as_ref(),
             times,
+            clock: if a.cpu_seconds { Clock::Cpu } else { Clock::Wall },
             seeds: a.seeds,
             timings: a.timings,
         };
