@@ -1,7 +1,7 @@
 //! Image files, display, comparison: what is written is what is read, and every comparator can say no.
 
 use joton::film::{Image, LAYERS, Picture};
-use joton::output::compare::{compare, region_ratios, relative_errors, write_heatmap};
+use joton::output::compare::{common_error, compare, region_ratios, relative_errors, write_heatmap};
 use joton::output::display::{Display, Exposure, Transform, linear_from_srgb, srgb_from_linear};
 use joton::output::{exr, png};
 use std::fs;
@@ -333,6 +333,26 @@ fn comparison_follows_its_definition() {
         (found.rel_mse_trimmed - pixel / 2047.0).abs() < 1e-12,
         "of four bad pixels one stays: {found:?}"
     );
+}
+
+/// Two images of 1 with opposite noise of 0.1 against a reference of 0.8: alone each is off by noise and reference, in
+/// common they have what the reference is off by, (1 − 0.8)² less 0.1² that the noise takes from it.
+#[test]
+fn twins_tell_the_error_of_their_reference() {
+    let noisy = |sign: f32| image(16, 16, |x, y| [1.0 + if (x + y) % 2 == 0 { 0.1 * sign } else { 0.0 }; 3]);
+    let (a, b, reference) = (noisy(1.0), noisy(-1.0), grey(16, 16, 0.8));
+    let scale = 1.0 / (0.64 + 0.01);
+    let common = common_error(&a, &b, &reference).expect("compared");
+    // half of the pixels have noise: (0.2 + 0.1)(0.2 − 0.1) = 0.03, the others 0.2²
+    assert!((common.rel_mse - scale * (0.03 + 0.04) / 2.0).abs() < 1e-7, "{common:?}");
+    assert!((common.deviation - scale * 0.005 / 16.0).abs() < 1e-7, "{common:?}");
+    let same = common_error(&a, &a, &reference).expect("compared");
+    assert!((same.rel_mse - compare(&a, &reference).expect("compared").rel_mse).abs() < 1e-12, "{same:?}");
+    // unlike noise of both is in neither
+    let off = |which: u32| image(16, 16, |x, _| [if x % 2 == which { 1.3 } else { 1.0 }; 3]);
+    let found = common_error(&off(0), &off(1), &grey(16, 16, 1.0)).expect("compared");
+    assert!(found.rel_mse.abs() < 1e-12 && found.deviation < 1e-12, "{found:?}");
+    common_error(&a, &grey(8, 16, 1.0), &reference).expect_err("sizes");
 }
 
 /// Equal images differ by nothing, swapped ones are not equal, and sizes must agree.

@@ -13,6 +13,9 @@ pub(super) struct CompareArguments {
     image: PathBuf,
     /// What it should be.
     reference: PathBuf,
+    /// The image once more with another seed: print the error that both have in common, without their noise.
+    #[arg(long, value_name = "IMAGE.exr")]
+    twin: Option<PathBuf>,
     /// Write the relative error of each pixel in false colour.
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
@@ -32,11 +35,14 @@ pub(super) fn run(a: &CompareArguments) -> Result<u8> {
         return Err(Error::usage("--tolerance must be 0 or larger", "give the largest relMSE to accept"));
     }
     if let Some(path) = &a.heatmap {
-        output::check_not_read([path], &[a.image.clone(), a.reference.clone()])?;
+        let read: Vec<PathBuf> = [&a.image, &a.reference].into_iter().chain(&a.twin).cloned().collect();
+        output::check_not_read([path], &read)?;
         output::check_writable(path)?;
     }
     let (image, reference) = (exr::read_image(&a.image)?, exr::read_image(&a.reference)?);
     let c = compare::compare(&image, &reference)?;
+    let twin = a.twin.as_deref().map(exr::read_image).transpose()?;
+    let common = twin.map(|twin| compare::common_error(&image, &twin, &reference)).transpose()?;
     let regions = match a.regions {
         Some(n) => compare::region_ratios(&image, &reference, n)?,
         None => Vec::new(),
@@ -46,6 +52,7 @@ pub(super) fn run(a: &CompareArguments) -> Result<u8> {
         let rows: Vec<Vec<_>> = regions.iter().map(|row| row.iter().map(|r| r.ratio).collect()).collect();
         let mut value = serde_json::json!(c);
         value["region_ratios"] = serde_json::json!(rows);
+        value["common"] = serde_json::json!(common);
         value["tolerance"] = serde_json::json!(a.tolerance);
         say_json(&value)?;
     } else {
@@ -57,6 +64,9 @@ pub(super) fn run(a: &CompareArguments) -> Result<u8> {
             c.mse,
             ratios.join(" ")
         ));
+        if let Some(common) = common {
+            say(format_args!("in common {:.4e} deviation {:.1e}", common.rel_mse, common.deviation));
+        }
         for row in regions {
             let cell = |r: &compare::Region| r.ratio.map(|x| format!("{x:.3}")).join("/");
             say(row.iter().map(cell).collect::<Vec<_>>().join("  "));

@@ -51,6 +51,35 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison> {
     Ok(Comparison { rel_mse, rel_mse_trimmed, mse, mean_ratio: region_ratio(pairs), non_finite })
 }
 
+/// What two images of one scene, rendered with different seeds, have in common against a reference: bias of the images,
+/// or bias and noise of the reference. Their own noise is not in it.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct CommonError {
+    /// Mean of (I − R)(T − R)/(R² + 0.01) over pixels and bands, T the twin of I; may come out below zero where it is
+    /// nothing but noise.
+    pub rel_mse: f64,
+    /// Standard deviation of that mean, from its spread over the pixels.
+    pub deviation: f64,
+}
+
+/// Compare an image and its twin with their reference.
+pub fn common_error(image: &Image, twin: &Image, reference: &Image) -> Result<CommonError> {
+    check_sizes(twin, image)?;
+    let twins = pairs(twin, reference)?;
+    let products: Vec<f64> = pairs(image, reference)?
+        .zip(twins)
+        .map(|((i, r), (t, _))| {
+            let band = |b: usize| (i[b] - r[b]) * (t[b] - r[b]) / (r[b] * r[b] + RELATIVE_OFFSET);
+            (0..BANDS).map(band).sum::<f64>() / BANDS as f64
+        })
+        .collect();
+    // where the reference is not finite there is no error, as in `relative_errors`
+    let count = image.pixels.len() as f64;
+    let mean = products.iter().sum::<f64>() / count;
+    let square = products.iter().map(|p| p * p).sum::<f64>() / count;
+    Ok(CommonError { rel_mse: mean, deviation: ((square - mean * mean).max(0.0) / count).sqrt() })
+}
+
 /// Mean over the bands of (I − R)²/(R² + 0.01), for each pixel; 0 where the reference is not finite.
 pub fn relative_errors(image: &Image, reference: &Image) -> Result<Vec<f64>> {
     check_sizes(image, reference)?;

@@ -34,8 +34,19 @@ fn compare_judges() {
         told["rel_mse"].as_f64().is_some_and(|e| e > 0.0) && told["region_ratios"][1][1][2].is_f64(),
         "{told}"
     );
+    let twins = folder.done("compare a.exr b.exr --twin a.exr");
+    assert!(twins.stdout.contains("\nin common "), "{}", twins.stdout);
+    let told: serde_json::Value =
+        serde_json::from_str(&folder.done("compare a.exr b.exr --twin a.exr --json").stdout).expect("JSON");
+    let [common, error] =
+        [&told["common"]["rel_mse"], &told["rel_mse"]].map(|e| e.as_f64().expect("a number"));
+    assert!(
+        (common / error - 1.0).abs() < 1e-9,
+        "an image that is its own twin has all of its error in common: {told}"
+    );
     folder.done("render cornell.toml --size 16x16 --device cpu --passes 1 -o small.exr");
     folder.fails("compare a.exr small.exr", &["32x32", "16x16"]);
+    folder.fails("compare a.exr b.exr --twin small.exr", &["32x32", "16x16"]);
     folder.fails("compare a.exr none.exr", &["none.exr"]);
     folder.fails("compare a.exr cornell.obj", &["cornell.obj", "EXR"]);
     folder.fails("compare a.exr b.exr --tolerance nan", &["--tolerance"]);

@@ -44,6 +44,7 @@ fn what_is_read_is_never_written_over() {
         ("export cornell.toml -o mesh.xml".into(), "mesh.0.ply"),
         ("compare a.exr b.exr --heatmap map.png".into(), "map.png"),
         ("compare a.exr b.exr --heatmap ./a.exr".into(), "a.exr"),
+        ("compare b.exr b.exr --twin a.exr --heatmap a.exr".into(), "a.exr"),
         (format!("{bench} -o plot"), "plot.csv"),
         (format!("{bench} --reference a.exr -o plot2"), "plot2.summary.csv"),
     ] {
