@@ -38,9 +38,9 @@ esac
 # Passes of a scene's reference, and samples a pixel of each of two pictures of the path tracer.
 passes() {
     case $1 in
-    cornell) echo $((1536 / shrink)) ;;
-    spheres) echo $((512 / shrink)) ;;
-    pool) echo $((256 / shrink)) ;;
+    cornell) echo $((4096 / shrink)) ;;
+    spheres) echo $((1024 / shrink)) ;;
+    pool) echo $((512 / shrink)) ;;
     esac
 }
 samples=$((512 / shrink))

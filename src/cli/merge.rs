@@ -21,8 +21,11 @@ pub(super) struct MergeArguments {
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
     /// Where to write: .exr (linear radiance and its layers) or .png (for display); may be repeated.
-    #[arg(short, long, value_name = "FILE", required = true)]
+    #[arg(short, long, value_name = "FILE", required_unless_present = "checkpoint")]
     output: Vec<PathBuf>,
+    /// Write a part that has the passes of all, to be merged with others.
+    #[arg(long, value_name = "PART")]
+    checkpoint: Option<PathBuf>,
     /// The scene, where it is not where the parts were rendered.
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
@@ -43,14 +46,14 @@ struct Part<'a> {
 
 pub(super) fn run(a: &MergeArguments) -> Result<u8> {
     let begin = Instant::now();
-    let parts = in_order(&a.parts)?;
+    let parts = in_order(&a.parts, !a.output.is_empty())?;
     let header = &parts[0].header;
     let arguments = merged(&header.arguments, a);
     for path in &a.output {
         render::kind_of(path)?;
     }
     let report_file = a.report.as_ref().filter(|path| **path != Path::new(render::STDOUT));
-    let written = || a.output.iter().chain(report_file);
+    let written = || a.output.iter().chain(report_file).chain(&a.checkpoint);
     render::check_outputs(&arguments.scene, written())?;
     joton::output::check_not_read(written(), &a.parts)?;
 
@@ -69,6 +72,10 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
     let mut state: RenderState = read(&parts[0])?;
     for part in &parts[1..] {
         state.merge(&read(part)?)?;
+    }
+    let kept = a.checkpoint.as_deref().map(|path| (path, keep(path, header, &state)));
+    if a.output.is_empty() && a.report.is_none() {
+        return kept.map_or(Ok(DONE), |(_, kept)| kept.map(|()| DONE));
     }
     state.set_resolver(backend.resolver());
     drop(backend);
@@ -93,7 +100,7 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
             Circumstances { device, setup_seconds, setup: Vec::new(), kernels: Vec::new(), warnings };
         Report::new(&rendered, &packed, &plan, around)
     };
-    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, None, report);
+    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, kept, report);
     if !a.quiet && !wrote.is_empty() {
         tell(format_args!("joton: wrote {}", wrote.join(", ")));
     }
@@ -110,8 +117,15 @@ fn merged(of_part: &RenderArguments, a: &MergeArguments) -> RenderArguments {
     whole
 }
 
-/// The parts by their passes: all of one render, finished, from its first pass on, without gaps and overlaps.
-fn in_order(paths: &[PathBuf]) -> Result<Vec<Part<'_>>> {
+/// Write a state of several parts as one.
+fn keep(path: &Path, of_first: &Header, state: &RenderState) -> Result<()> {
+    let mut header = of_first.clone();
+    (header.passes, header.arguments.pass_range) = (state.passes(), state.part());
+    checkpoint::write(path, &header, state)
+}
+
+/// The parts by their passes: all of one render, finished, without gaps and overlaps; from its first pass on where they are to be a picture.
+fn in_order(paths: &[PathBuf], is_whole: bool) -> Result<Vec<Part<'_>>> {
     let mut parts: Vec<Part<'_>> = paths.iter().map(|path| Part::open(path)).collect::<Result<_>>()?;
     parts.sort_by_key(|part| part.range.first());
     let first = &parts[0];
@@ -120,7 +134,8 @@ fn in_order(paths: &[PathBuf]) -> Result<Vec<Part<'_>>> {
     }
     let mut before: Option<&Part<'_>> = None;
     for part in &parts {
-        let (range, end) = (part.range, before.map_or(0, |before| before.range.end()));
+        let first = if is_whole { 0 } else { first.range.first() };
+        let (range, end) = (part.range, before.map_or(first, |before| before.range.end()));
         if range.first() < end {
             let before = before.map_or(String::new(), |before| before.path.display().to_string());
             let what = format!("{} (passes {range}) and {before} have passes in common", part.path.display());

@@ -55,3 +55,110 @@ impl RenderState {
         Ok(part)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::{Backend, Batch, Tally};
+    use crate::film::{LAYERS, Layer};
+    use crate::render::{Reason, Stop};
+    use crate::sampling::rng::random4;
+    use crate::spectrum::BANDS;
+
+    const SIZE: [u32; 2] = [8, 8];
+
+    /// Noise of every size, in batches of up to 16 passes that are summed in f32.
+    struct Noise;
+
+    impl Backend for Noise {
+        fn describe(&self) -> String {
+            "noise".into()
+        }
+
+        fn batch_passes(&self, first: u64) -> u32 {
+            (first.next_power_of_two() / 2).clamp(1, 16) as u32
+        }
+
+        fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+            let of = |layer: usize, pixel: u32| -> [f32; BANDS] {
+                let passes = (first..first + u64::from(count)).map(|pass| {
+                    let [size, value, ..] = random4(layer as u32, pass as u32, pixel, 0);
+                    value * (40.0 * size - 30.0).exp2()
+                });
+                [passes.sum(); BANDS]
+            };
+            let layers = std::array::from_fn(|layer| (0..64).map(|pixel| of(layer, pixel)).collect());
+            let tally = Tally { rays: count.into(), ..Tally::default() };
+            Ok(Batch { layers, tally })
+        }
+    }
+
+    fn range(first: u64, end: u64) -> PassRange {
+        PassRange::new(first, end).expect("a range")
+    }
+
+    fn part(first: u64, end: u64) -> RenderState {
+        rendered(SIZE, range(first, end), end)
+    }
+
+    fn rendered(size: [u32; 2], range: PassRange, until: u64) -> RenderState {
+        let mut state = RenderState::of_part(size, range);
+        state.sums.set_resolves(&[Layer::Direct]);
+        let stop = Stop { passes: Some(until), ..Stop::default() };
+        state.go_on(&mut Noise, stop, |_| true).expect("passes");
+        state
+    }
+
+    /// Wherever a render is cut, and whichever parts are merged first, the picture has the same bits, the counts are the same, and each pass counts
+    /// once: the head of a part does not.
+    #[test]
+    fn parts_have_the_bits_of_the_whole() {
+        let whole = part(0, 200);
+        let picture = |state: RenderState| state.finish(Reason::Passes).picture;
+        let wanted = picture(part(0, 200));
+        for cuts in [&[16][..], &[16, 32, 48], &[64, 192], &[112]] {
+            let ends: Vec<u64> = cuts.iter().copied().chain([200]).collect();
+            let firsts = [0].into_iter().chain(cuts.iter().copied());
+            let parts: Vec<RenderState> = firsts.zip(&ends).map(|(first, end)| part(first, *end)).collect();
+            for (part, end) in parts.iter().zip(&ends) {
+                assert_eq!((part.range().end, part.tally.rays), (*end, part.passes()), "{cuts:?}");
+            }
+            // the last ones first
+            let mut parts = parts.into_iter().rev();
+            let mut merged = parts.next().expect("a part");
+            for mut before in parts {
+                before.merge(&merged).expect("they follow each other");
+                merged = before;
+            }
+            assert_eq!((merged.range(), merged.part()), (0..200, Some(range(0, 200))));
+            assert_eq!(merged.tally.rays, whole.tally.rays);
+            let halves =
+                [&merged, &whole].map(|state| state.sums.film().halves(Layer::Direct).expect("kept"));
+            assert_eq!(halves[0].means, halves[1].means, "{cuts:?}");
+            let found = picture(merged);
+            assert_eq!(found.whole, wanted.whole, "{cuts:?}");
+            assert_eq!(found.layers.len(), LAYERS);
+        }
+    }
+
+    /// What does not follow is refused, and changes nothing.
+    #[test]
+    fn what_does_not_follow_is_refused() {
+        let refused = |first: &mut RenderState, next: &RenderState, told: &str| {
+            let passes = first.passes();
+            let e = first.merge(next).expect_err(told).to_string();
+            assert!(e.contains(told), "{e}");
+            assert_eq!(first.passes(), passes);
+        };
+        let mut first = part(0, 32);
+        refused(&mut first, &part(48, 64), "passes 32..48 are missing");
+        refused(&mut first, &part(16, 64), "passes 0..32 and 16..64 overlap");
+        refused(&mut first, &RenderState::new(SIZE), "is no part");
+        refused(&mut first, &rendered([16, 4], range(32, 48), 48), "of different renders");
+        refused(&mut first, &rendered(SIZE, range(32, 64), 40), "has 8 of the 32 passes 32..64");
+        refused(&mut RenderState::new(SIZE), &first, "is no part");
+        let mut odd = part(0, 20);
+        refused(&mut odd, &part(32, 48), "passes 20 to 31 are missing");
+        first.merge(&part(32, 48)).expect("it follows");
+    }
+}

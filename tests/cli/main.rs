@@ -14,5 +14,6 @@ mod merge;
 mod plan;
 mod refusals;
 mod report;
+mod slurm;
 mod stop;
 mod streams;

@@ -25,9 +25,15 @@ fn parts_make_the_whole() {
         let ratio =
             merged["error_estimate"].as_f64().zip(whole["error_estimate"].as_f64()).map(|(m, w)| m / w);
         assert!(ratio.is_some_and(|ratio| (0.5..2.0).contains(&ratio)), "{device}: {ratio:?}");
+        // parts of parts
+        folder.done("merge c.joton b.joton --checkpoint bc.joton");
+        folder.done("merge bc.joton a.joton -o merged.exr --checkpoint abc.joton");
+        assert!(bits(&folder, "merged.exr") == bits(&folder, "whole.exr"), "{device}");
+        folder.done("merge abc.joton -o again.exr");
+        assert!(bits(&folder, "again.exr") == bits(&folder, "whole.exr"), "{device}");
         // one part alone is a picture, too, where it begins with the first pass
         folder.done("merge a.joton -o first.exr");
-        for part in ["whole", "a", "b", "c"] {
+        for part in ["whole", "a", "b", "c", "bc", "abc"] {
             fs::remove_file(folder.path(&format!("{part}.joton"))).expect("a file");
         }
     }
@@ -94,6 +100,8 @@ fn what_does_not_fit_is_refused() {
         folder.fails(&format!("merge {parts} -o x.exr"), told);
     }
     folder.fails("merge a.joton", &["--output"]);
+    folder.fails("merge b.joton -o x.exr", &["passes 0..16 are in no part"]);
+    folder.fails("merge a.joton b.joton --checkpoint a.joton", &["a.joton"]);
     folder.fails("merge a.joton -o x.jpg", &["x.jpg"]);
     folder.fails("merge a.joton -o a.joton", &["a.joton"]);
     folder.fails("merge a.joton -o cornell.toml", &["cornell.toml"]);
