@@ -5,8 +5,8 @@ use super::device::Devices;
 use super::render::{self, RenderArguments};
 use super::{DONE, pack, tell};
 use clap::Args;
-use joton::output::checkpoint;
 use joton::output::report::{Circumstances, Report};
+use joton::output::{self, checkpoint};
 use joton::plan::Plan;
 use joton::render::{PassRange, Reason, RenderState};
 use joton::{Error, Result};
@@ -47,17 +47,20 @@ struct Part<'a> {
 pub(super) fn run(a: &MergeArguments) -> Result<u8> {
     let begin = Instant::now();
     let parts = in_order(&a.parts, !a.output.is_empty())?;
-    let header = &parts[0].header;
-    let arguments = merged(&header.arguments, a);
+    let arguments = merged(&parts[0].header.arguments, a);
     for path in &a.output {
         render::kind_of(path)?;
     }
     let report_file = a.report.as_ref().filter(|path| **path != Path::new(render::STDOUT));
     let written = || a.output.iter().chain(report_file).chain(&a.checkpoint);
     render::check_outputs(&arguments.scene, written())?;
-    joton::output::check_not_read(written(), &a.parts)?;
+    output::check_not_read(written(), &a.parts)?;
+    if a.output.is_empty() && report_file.is_none() {
+        return keep(a, &parts[0].header, &sum(&parts)?).map(|()| DONE);
+    }
 
     let mut scene = joton::scene::load(&arguments.scene)?;
+    output::check_not_read(written(), &scene.files)?;
     check_scene(&parts[0], &scene.files)?;
     if let Some(size) = arguments.size {
         scene.resize(size);
@@ -67,16 +70,8 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
     let wanted = Plan::new(&packed, settings);
     // no pass is rendered: it says how pictures are smoothed
     let (backend, _, plan) = Devices::named("cpu", arguments.reference)?.open(&packed, &wanted)?;
-
-    let read = |part: &Part<'_>| checkpoint::read::<Header>(part.path).map(|(_, state)| state);
-    let mut state: RenderState = read(&parts[0])?;
-    for part in &parts[1..] {
-        state.merge(&read(part)?)?;
-    }
-    let kept = a.checkpoint.as_deref().map(|path| (path, keep(path, header, &state)));
-    if a.output.is_empty() && a.report.is_none() {
-        return kept.map_or(Ok(DONE), |(_, kept)| kept.map(|()| DONE));
-    }
+    let mut state = sum(&parts)?;
+    keep(a, &parts[0].header, &state)?;
     state.set_resolver(backend.resolver());
     drop(backend);
     let rendered = state.finish(Reason::Passes);
@@ -100,7 +95,7 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
             Circumstances { device, setup_seconds, setup: Vec::new(), kernels: Vec::new(), warnings };
         Report::new(&rendered, &packed, &plan, around)
     };
-    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, kept, report);
+    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, None, report);
     if !a.quiet && !wrote.is_empty() {
         tell(format_args!("joton: wrote {}", wrote.join(", ")));
     }
@@ -117,11 +112,26 @@ fn merged(of_part: &RenderArguments, a: &MergeArguments) -> RenderArguments {
     whole
 }
 
-/// Write a state of several parts as one.
-fn keep(path: &Path, of_first: &Header, state: &RenderState) -> Result<()> {
+/// All parts together.
+fn sum(parts: &[Part<'_>]) -> Result<RenderState> {
+    let read = |part: &Part<'_>| checkpoint::read::<Header>(part.path).map(|(_, state)| state);
+    let mut state = read(&parts[0])?;
+    for part in &parts[1..] {
+        state.merge(&read(part)?)?;
+    }
+    Ok(state)
+}
+
+/// Write all parts as one, where it is wanted.
+fn keep(a: &MergeArguments, of_first: &Header, state: &RenderState) -> Result<()> {
+    let Some(path) = &a.checkpoint else { return Ok(()) };
     let mut header = of_first.clone();
     (header.passes, header.arguments.pass_range) = (state.passes(), state.part());
-    checkpoint::write(path, &header, state)
+    checkpoint::write(path, &header, state)?;
+    if !a.quiet {
+        tell(format_args!("joton: wrote {}", path.display()));
+    }
+    Ok(())
 }
 
 /// The parts by their passes: all of one render, finished, without gaps and overlaps; from its first pass on where they are to be a picture.

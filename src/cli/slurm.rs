@@ -138,14 +138,27 @@ struct Scripts<'a> {
 impl Scripts<'_> {
     /// Write both; where they are.
     fn write(&self) -> Result<[PathBuf; 2]> {
-        let scripts = [("render.sh", self.array()), ("merge.sh", self.merge())];
-        let mut written = Vec::new();
-        for (name, text) in scripts {
-            let path = self.folder.join(name);
-            output::write_text(&path, &text)?;
-            written.push(path);
+        let [array, merge] = ["render.sh", "merge.sh"].map(|name| self.folder.join(name));
+        let text = self.array();
+        self.check_parts(&array, &text)?;
+        output::write_text(&array, &text)?;
+        output::write_text(&merge, &self.merge())?;
+        Ok([array, merge])
+    }
+
+    /// Refuse to go on with parts that other tasks rendered: they go on as they were told.
+    fn check_parts(&self, array: &Path, text: &str) -> Result<()> {
+        let Ok(before) = std::fs::read_to_string(array) else { return Ok(()) };
+        let files = std::fs::read_dir(&self.folder).map_err(|e| Error::system(&self.folder, "read", &e))?;
+        let is_part = |file: &std::fs::DirEntry| file.path().extension().is_some_and(|kind| kind == "joton");
+        let work = |script: &str| -> Vec<String> {
+            script.lines().filter(|line| !line.starts_with('#')).map(String::from).collect()
+        };
+        if files.flatten().any(|file| is_part(&file)) && work(&before) != work(text) {
+            let what = format!("{}: holds parts of a render that was told otherwise", self.folder.display());
+            return Err(Error::usage(what, "name another --folder, or remove this one"));
         }
-        Ok([written.remove(0), written.remove(0)])
+        Ok(())
     }
 
     /// The first lines of both.

@@ -1,6 +1,6 @@
 //! The scripts that `joton slurm` writes. What a real Slurm makes of them: scripts/test-slurm.sh.
 
-use crate::folder::{Folder, bits};
+use crate::folder::{Ended, Folder, bits};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -48,6 +48,19 @@ fn tasks_make_the_picture() {
     }
     assert!(run(&folder, &merge, ""), "the merge");
     assert!(!folder.path("calls").exists(), "nothing was to be requeued");
+    // other options of sbatch make no other parts; other passes do
+    let again = |passes: &str, more: &str| {
+        let mut command =
+            folder.command(&format!("slurm --tasks 3 --passes {passes} -o picture.exr --folder"));
+        command
+            .args(["my jobs", more, "it's a box.toml", "--"])
+            .args(options.split(' '))
+            .output()
+            .expect("joton runs")
+    };
+    assert!(again("70", "--sbatch=--time=20").status.success());
+    let refused = Ended::of(again("80", "--sbatch=--time=20"));
+    refused.is_refusal("slurm", &["my jobs: holds parts of a render that was told otherwise", "--folder"]);
     let mut command = folder.command("render --pass-range 0..70 --checkpoint whole.joton -o whole.exr");
     let ended = command.args(options.split(' ')).arg("it's a box.toml").status().expect("joton runs");
     assert!(ended.success());
