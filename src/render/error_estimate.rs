@@ -4,7 +4,9 @@
 //! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
 //! square is the product of both halves' biases, so that their noise adds nothing to it on average.
 
-use crate::film::tile_schedule::{Run, TILE, TileSchedule};
+use super::blur_line::Line;
+use super::lattice::Lattice;
+use crate::film::tile_schedule::TileSchedule;
 use crate::film::{Film, LAYERS, Layer, RELATIVE_OFFSET, SAMPLES_MAX, half};
 use crate::resolve::{Resolved, SquaredError};
 use crate::spectrum::{BANDS, BLACK, Bands, add};
@@ -12,8 +14,6 @@ use rayon::prelude::*;
 
 /// Blocks across and down whose spread tells how sure the squared bias is.
 const BLOCKS: usize = 8;
-/// Least spread of the squared radius over a half's passes, relative to its mean, that a line is put through.
-const SPREAD_MIN: f64 = 1e-3;
 
 /// Factor on the squared noise: it is estimated, not known, and what is rare may not have shown yet.
 const NOISE_SAFETY: f64 = 2.0;
@@ -23,48 +23,6 @@ const BIAS_SAFETY: f64 = 4.0;
 /// Up to so many passes the mean is taken for the pixel's brightness, and bias for noise; of more, less and less. A lamp
 /// that fills a tenth of a pixel is often seen by one half alone, and a line through two passes goes anywhere.
 const TRUSTING_PASSES: f64 = 8.0;
-
-/// The pixels that tell the error: all, or a lattice of a large image.
-#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
-struct Lattice {
-    /// Pixels of the image across.
-    width: usize,
-    /// Pixels from one to the next, across and down.
-    step: usize,
-    /// Pixels of the lattice across and down.
-    size: [usize; 2],
-}
-
-impl Lattice {
-    /// The finest of at most `most` pixels.
-    fn new(size: [u32; 2], most: u64) -> Self {
-        let [width, height] = size.map(|n| n as usize);
-        let of = |step: usize| [width.div_ceil(step), height.div_ceil(step)];
-        let mut step = 1;
-        while of(step).iter().map(|n| *n as u64).product::<u64>() > most.max(1) {
-            step += 1;
-        }
-        Self { width, step, size: of(step) }
-    }
-
-    fn len(&self) -> usize {
-        self.size[0] * self.size[1]
-    }
-
-    /// The pixel of the image.
-    fn pixel(&self, sample: usize) -> usize {
-        let [across, _] = self.size;
-        sample / across * self.step * self.width + sample % across * self.step
-    }
-
-    /// Those of a run in a row of the image: the range of them in their row, and of the pixels in the image from the first on.
-    fn in_row(&self, run: &Run, y: usize) -> Option<[std::ops::Range<usize>; 2]> {
-        let first = run.columns.start.next_multiple_of(self.step);
-        let pixels = y * self.width + first..y * self.width + run.columns.end;
-        let samples = first / self.step..run.columns.end.div_ceil(self.step);
-        (first < run.columns.end).then_some([samples, pixels])
-    }
-}
 
 /// The passes of a render, and parts of them.
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
@@ -117,78 +75,6 @@ pub struct ErrorEstimate {
     pub noise: f64,
     /// What the radii blur, as far as it stands out of the noise.
     pub bias: f64,
-}
-
-/// Sums over the passes of one half for the line through the radiance of the maps against their blur.
-#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
-struct Line {
-    passes: f64,
-    /// Sums of the radiance of the maps, and of it times the blur.
-    radiance: Vec<[f64; BANDS]>,
-    blurred: Vec<[f64; BANDS]>,
-    /// Sums over the passes of the blur and of its square.
-    moments: [f64; 2],
-}
-
-impl Line {
-    fn add(
-        &mut self,
-        lattice: &Lattice,
-        passes: u64,
-        maps: &[Layer],
-        layers: &[Vec<[f32; BANDS]>; LAYERS],
-        blur: f64,
-        runs: &[Vec<Run>],
-    ) {
-        self.radiance.resize(lattice.len(), [0.0; BANDS]);
-        self.blurred.resize(lattice.len(), [0.0; BANDS]);
-        let [across, _] = lattice.size;
-        for layer in maps.iter().map(|l| &layers[*l as usize]).filter(|layer| !layer.is_empty()) {
-            let rows = self.radiance.par_chunks_mut(across).zip(self.blurred.par_chunks_mut(across));
-            rows.enumerate().for_each(|(row, (sums, blurred))| {
-                let y = row * lattice.step;
-                for run in &runs[y / TILE as usize] {
-                    let Some([samples, pixels]) = lattice.in_row(run, y) else { continue };
-                    let weight = run.weight as f64;
-                    let sums = sums[samples.clone()].iter_mut().zip(&mut blurred[samples]);
-                    for ((sum, blurred), l) in sums.zip(layer[pixels].iter().step_by(lattice.step)) {
-                        for b in 0..BANDS {
-                            let radiance = weight * f64::from(l[b]);
-                            sum[b] += radiance;
-                            blurred[b] += blur * radiance;
-                        }
-                    }
-                }
-            });
-        }
-        let n = passes as f64;
-        self.passes += n;
-        self.moments[0] += n * blur;
-        self.moments[1] += n * blur * blur;
-    }
-
-    /// Add the sums of other passes.
-    fn merge(&mut self, other: &Self) {
-        self.radiance.resize(self.radiance.len().max(other.radiance.len()), [0.0; BANDS]);
-        self.blurred.resize(self.radiance.len(), [0.0; BANDS]);
-        let add = |sums: &mut [[f64; BANDS]], more: &[[f64; BANDS]]| {
-            for (sum, more) in sums.iter_mut().flatten().zip(more.iter().flatten()) {
-                *sum += more;
-            }
-        };
-        add(&mut self.radiance, &other.radiance);
-        add(&mut self.blurred, &other.blurred);
-        self.passes += other.passes;
-        self.moments = std::array::from_fn(|i| self.moments[i] + other.moments[i]);
-    }
-
-    /// Factors (p, q) such that p Σ bL − q Σ L is the slope of the line through radiance L against blur b; none where
-    /// nothing is blurred or all passes alike.
-    fn slope(&self) -> Option<[f64; 2]> {
-        let [b, bb] = self.moments;
-        let spread = bb - b * b / self.passes;
-        (b > 0.0 && spread > SPREAD_MIN * bb).then(|| [1.0 / spread, b / self.passes / spread])
-    }
 }
 
 impl ErrorEstimator {
@@ -586,6 +472,30 @@ mod tests {
         // drowned in noise it is not made up
         let e = after(passes, blur, |n, p| 2.0 + uniform(n, p)).error().expect("two halves");
         assert!(e.bias < 0.5 * e.noise, "{e:?}");
+    }
+
+    /// The bias of sharing counts as it is where all pixels have it; where chance alone makes products of both signs, it is what one standard error may
+    /// hide, to 1 %.
+    #[test]
+    fn the_bias_of_sharing_counts() {
+        let (passes, radiance) = (16, 2.0);
+        let total_squared = |bias: &dyn Fn(usize) -> f32| {
+            let mut estimator = ErrorEstimator::new(SIZE);
+            estimator.set_resolves(&[Layer::Diffuse]);
+            let mut estimator = sampled(estimator, passes, |_| 0.0, |_, _| radiance);
+            let squared_error = (0..PIXELS).map(|p| SquaredError { variance: 0.0, bias: bias(p) }).collect();
+            let resolved = Resolved { radiance: vec![[radiance as f32; BANDS]; PIXELS], squared_error };
+            estimator.set_resolved(&[(Layer::Diffuse, resolved)]);
+            estimator.error().expect("it is resolved").total.powi(2)
+        };
+        let bias = 1e-3;
+        let relative = bias / (radiance * radiance + RELATIVE_OFFSET);
+        let even = total_squared(&|_| bias as f32);
+        assert!((even / (SMOOTH_SAFETY * relative) - 1.0).abs() < 0.01, "{even}, {relative}");
+        let by_chance = total_squared(&|p| if p % 2 == 0 { bias as f32 } else { -bias as f32 });
+        let hidden = relative * (SMOOTH_BIAS_TOGETHER / PIXELS as f64).sqrt();
+        assert!((by_chance / (SMOOTH_SAFETY * hidden) - 1.0).abs() < 0.01, "{by_chance}, {hidden}");
+        assert_eq!(total_squared(&|_| 0.0), 0.0);
     }
 
     /// One pixel in 1600, dark, that a single pass in 128 finds bright: the error of the mean is bounded, though the mean

@@ -60,6 +60,7 @@ impl RenderState {
 mod tests {
     use super::*;
     use crate::backend::{Backend, Batch, Tally};
+    use crate::estimators::split_paths::{Light, Look, SplitPaths};
     use crate::film::{LAYERS, Layer};
     use crate::render::{Reason, Stop};
     use crate::sampling::rng::random4;
@@ -139,6 +140,51 @@ mod tests {
             assert_eq!(found.whole, wanted.whole, "{cuts:?}");
             assert_eq!(found.layers.len(), LAYERS);
         }
+    }
+
+    /// [`Noise`] that splits paths, and counts how often it is told anew where.
+    struct Split {
+        paths: SplitPaths,
+        told: Vec<u64>,
+        next: u64,
+    }
+
+    impl Backend for Split {
+        fn describe(&self) -> String {
+            "split".into()
+        }
+
+        fn split_paths(&self) -> Option<&SplitPaths> {
+            Some(&self.paths)
+        }
+
+        fn set_split_paths(&mut self, paths: SplitPaths) -> Result<()> {
+            self.paths = paths;
+            self.told.push(self.next);
+            Ok(())
+        }
+
+        fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
+            self.next = first + u64::from(count);
+            Noise.render(first, count)
+        }
+    }
+
+    /// A part decides where paths are split by the first passes alone, which it renders, too; a render that is no part goes on to decide.
+    #[test]
+    fn parts_decide_by_the_head_alone() {
+        let look = Look { light: Light::InPart, branched: true, square: 1.0, squared_mean: 0.5 };
+        let told = |mut state: RenderState| {
+            let paths = SplitPaths::mark(SIZE, &[look; 64], &[]);
+            let mut backend = Split { paths, told: Vec::new(), next: 0 };
+            let stop = Stop { passes: Some(80), ..Stop::default() };
+            state.go_on(&mut backend, stop, |_| true).expect("passes");
+            (backend.told, state.passes())
+        };
+        assert_eq!(told(RenderState::new(SIZE)), (vec![2, 4, 8, 16, 32, 64], 80));
+        assert_eq!(told(RenderState::of_part(SIZE, range(0, 80))), (vec![2, 4, 8, 16], 80));
+        assert_eq!(told(RenderState::of_part(SIZE, range(16, 80))), (vec![2, 4, 8, 16], 64));
+        assert_eq!(told(RenderState::of_part(SIZE, range(48, 80))), (vec![2, 4, 8, 16], 32));
     }
 
     /// What does not follow is refused, and changes nothing.

@@ -2,9 +2,11 @@
 //! fails, what it has finished stays, and another one goes on from there: passes are independent given their index, and
 //! films are sums.
 
+mod blur_line;
 mod clock;
 mod error_estimate;
 mod imbalance;
+mod lattice;
 mod merge;
 mod pass_range;
 mod state;
