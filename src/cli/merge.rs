@@ -56,7 +56,12 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
     render::check_outputs(&arguments.scene, written())?;
     output::check_not_read(written(), &a.parts)?;
     if a.output.is_empty() && report_file.is_none() {
-        return keep(a, &parts[0].header, &sum(&parts)?).map(|()| DONE);
+        let kept = keep(a, &parts[0].header, &sum(&parts)?);
+        return kept.map_or(Ok(DONE), |(path, kept)| {
+            kept?;
+            tell_written(a, &[path.display().to_string()]);
+            Ok(DONE)
+        });
     }
 
     let mut scene = joton::scene::load(&arguments.scene)?;
@@ -71,7 +76,7 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
     // no pass is rendered: it says how pictures are smoothed
     let (backend, _, plan) = Devices::named("cpu", arguments.reference)?.open(&packed, &wanted)?;
     let mut state = sum(&parts)?;
-    keep(a, &parts[0].header, &state)?;
+    let kept = keep(a, &parts[0].header, &state);
     state.set_resolver(backend.resolver());
     drop(backend);
     let rendered = state.finish(Reason::Passes);
@@ -95,11 +100,15 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
             Circumstances { device, setup_seconds, setup: Vec::new(), kernels: Vec::new(), warnings };
         Report::new(&rendered, &packed, &plan, around)
     };
-    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, None, report);
-    if !a.quiet && !wrote.is_empty() {
-        tell(format_args!("joton: wrote {}", wrote.join(", ")));
-    }
+    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, kept, report);
+    tell_written(a, &wrote);
     saved.map(|()| DONE)
+}
+
+fn tell_written(a: &MergeArguments, names: &[String]) {
+    if !a.quiet && !names.is_empty() {
+        tell(format_args!("joton: wrote {}", names.join(", ")));
+    }
 }
 
 /// What the whole render is told.
@@ -122,16 +131,12 @@ fn sum(parts: &[Part<'_>]) -> Result<RenderState> {
     Ok(state)
 }
 
-/// Write all parts as one, where it is wanted.
-fn keep(a: &MergeArguments, of_first: &Header, state: &RenderState) -> Result<()> {
-    let Some(path) = &a.checkpoint else { return Ok(()) };
+/// Write all parts as one, where it is wanted: where, and whether it could be.
+fn keep<'a>(a: &'a MergeArguments, of_first: &Header, state: &RenderState) -> Option<(&'a Path, Result<()>)> {
+    let path = a.checkpoint.as_deref()?;
     let mut header = of_first.clone();
     (header.passes, header.arguments.pass_range) = (state.passes(), state.part());
-    checkpoint::write(path, &header, state)?;
-    if !a.quiet {
-        tell(format_args!("joton: wrote {}", path.display()));
-    }
-    Ok(())
+    Some((path, checkpoint::write(path, &header, state)))
 }
 
 /// The parts by their passes: all of one render, finished, without gaps and overlaps; from its first pass on where they are to be a picture.

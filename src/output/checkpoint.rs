@@ -10,7 +10,7 @@
 //! It is written whole or not at all. What is not whole, or changed since, is refused.
 
 use super::atomic;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, words};
 use crate::render::RenderState;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -29,7 +29,8 @@ const CHUNK: usize = 1 << 16;
 /// [`Error::Io`] where it cannot be written; what was at `path` before stays then.
 pub fn write(path: &Path, header: &impl Serialize, state: &RenderState) -> Result<()> {
     atomic::write_atomically(path, |sink| {
-        let mut hashed = Hashed { sink: io::BufWriter::with_capacity(CHUNK, sink), hash: Fnv::default() };
+        let sink = io::BufWriter::with_capacity(CHUNK, sink);
+        let mut hashed = Hashed { sink, hash: Fnv::default(), failed: None };
         let written = (|| -> Result<(), Box<dyn std::error::Error>> {
             hashed.write_all(MAGIC.as_bytes())?;
             hashed.write_all(serde_json::to_string(header)?.as_bytes())?;
@@ -39,7 +40,8 @@ pub fn write(path: &Path, header: &impl Serialize, state: &RenderState) -> Resul
             hashed.sink.write_all(&hash)?;
             Ok(hashed.sink.flush()?)
         })();
-        written.map_err(|e| e.to_string())
+        // the encoder keeps what the system said to itself
+        written.map_err(|e| hashed.failed.take().unwrap_or_else(|| e.to_string()))
     })
 }
 
@@ -136,11 +138,15 @@ impl Hasher for Fnv {
 struct Hashed<W> {
     sink: W,
     hash: Fnv,
+    /// What the first write that failed said.
+    failed: Option<String>,
 }
 
 impl<W: Write> Write for Hashed<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.sink.write(bytes)?;
+        let written = self.sink.write(bytes).inspect_err(|e| {
+            self.failed.get_or_insert_with(|| words(e));
+        })?;
         self.hash.write(&bytes[..written]);
         Ok(written)
     }
@@ -183,5 +189,26 @@ mod tests {
             std::fs::write(&path, &changed).expect("written");
             assert!(read::<String>(&path).is_err(), "byte {i}");
         }
+    }
+
+    /// A disc without room.
+    struct Full;
+
+    impl Write for Full {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::ErrorKind::StorageFull.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// What the system says of a write that fails comes out, and not what the encoder makes of it.
+    #[test]
+    fn a_full_disc_says_so() {
+        let mut hashed = Hashed { sink: Full, hash: Fnv::default(), failed: None };
+        assert!(postcard::to_io(&RenderState::new([3, 2]), &mut hashed).is_err());
+        assert!(hashed.failed.is_some_and(|what| what.contains("make room")));
     }
 }
