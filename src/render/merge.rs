@@ -187,6 +187,25 @@ mod tests {
         assert_eq!(told(RenderState::of_part(SIZE, range(48, 80))), (vec![2, 4, 8, 16], 32));
     }
 
+    /// Of the head nothing is told: neither its passes nor its error.
+    #[test]
+    fn the_head_is_no_part_of_the_picture() {
+        let look = Look { light: Light::InPart, branched: true, square: 1.0, squared_mean: 0.5 };
+        let mut backend =
+            Split { paths: SplitPaths::mark(SIZE, &[look; 64], &[]), told: Vec::new(), next: 0 };
+        let mut state = RenderState::of_part(SIZE, range(32, 64));
+        let mut seen = Vec::new();
+        let watch = |p: &crate::render::Progress<'_>| {
+            seen.push((p.passes, p.error.is_some()));
+            p.passes < 2
+        };
+        state.go_on(&mut backend, Stop { passes: Some(64), ..Stop::default() }, watch).expect("passes");
+        assert_eq!(seen.len(), 18, "{seen:?}");
+        assert!(seen[..16].iter().all(|(passes, _)| *passes == 0), "{seen:?}");
+        assert_eq!(seen[15..], [(0, false), (1, false), (2, false)], "{seen:?}");
+        assert_eq!(state.finish(Reason::Interrupted).error_estimate, None);
+    }
+
     /// What does not follow is refused, and changes nothing.
     #[test]
     fn what_does_not_follow_is_refused() {
