@@ -89,8 +89,7 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
         if devices.len() > 1 {
             tell(format_args!("joton: the parts are of different devices: {device}"));
         }
-        let error = rendered.error_estimate;
-        let error = error.map_or(String::new(), |e| format!(", estimated error {:.2} %", e.total * 100.0));
+        let error = render::estimated(&rendered);
         let count = super::progress::passes(rendered.passes);
         tell(format_args!("joton: {count} of {} parts{error}", parts.len()));
     }

@@ -247,9 +247,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
         Reason::Interrupted => "interrupted",
         Reason::Failed => "the device failed",
     };
-    let error = rendered
-        .error_estimate
-        .map_or(String::new(), |e| format!(", estimated error {:.2} %", e.total * 100.0));
+    let error = estimated(&rendered);
     let words = format!("{} in {:.2} s{error}: {reason}", passes(rendered.passes), rendered.seconds);
     let ended = serde_json::json!({
         "reason": rendered.reason,
@@ -277,6 +275,11 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
         return Err(e);
     }
     Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
+}
+
+/// The error estimate of a picture, as a part of a sentence; nothing where there is none.
+pub(super) fn estimated(rendered: &Rendered) -> String {
+    rendered.error_estimate.map_or(String::new(), |e| format!(", estimated error {:.2} %", e.total * 100.0))
 }
 
 /// Write the pictures and the report; where one file cannot be written, the others still are. Those that were, the checkpoint among them,

@@ -55,8 +55,7 @@ fn an_interrupted_render_goes_on() {
     assert!(bits(&folder, "a.exr") == bits(&folder, "whole.exr"));
 }
 
-/// Killed again and again, while it writes, too, a render comes to the same picture. Each run lives a little longer than the ones before, so that a
-/// slow machine comes to the end, too.
+/// Killed again and again, while it writes, too, a render comes to the same picture.
 #[cfg(unix)]
 #[test]
 fn a_killed_render_goes_on() {
@@ -65,24 +64,8 @@ fn a_killed_render_goes_on() {
     folder.done(&format!("{render} -o whole.exr"));
     let whole = bits(&folder, "whole.exr");
     fs::remove_file(folder.path("a.exr")).expect("a file");
-    let mut kills = 0;
-    for i in 0..200 {
-        let words = if folder.path("c.joton").exists() {
-            "resume c.joton".into()
-        } else {
-            format!("{render} --checkpoint c.joton --every 1e-9")
-        };
-        let mut child = folder.command(&words).stderr(Stdio::null()).spawn().expect("joton runs");
-        std::thread::sleep(Duration::from_millis(150 + 37 * (i % 7) + 10 * i));
-        if let Some(ended) = child.try_wait().expect("its state") {
-            assert_eq!(ended.code(), Some(0), "{words}");
-            break;
-        }
-        child.kill().expect("it is killed");
-        child.wait().expect("it ends");
-        kills += 1;
-    }
-    assert!(kills > 0, "it was never killed");
+    let render = format!("{render} --checkpoint c.joton --every 1e-9");
+    let kills = folder.done_though_killed(&render, "c.joton");
     assert!(bits(&folder, "a.exr") == whole, "after {kills} kills");
 }
 

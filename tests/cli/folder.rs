@@ -83,6 +83,28 @@ impl Folder {
         self.ends(words).is_refusal(words, parts);
     }
 
+    /// Run `render` and, once it has left the checkpoint, `joton resume` of it; kill each run, but the one that comes to its end first. Each lives a
+    /// little longer than the ones before, so that a slow machine comes to the end, too. How many were killed: at least one.
+    #[cfg(unix)]
+    pub fn done_though_killed(&self, render: &str, checkpoint: &str) -> usize {
+        let mut kills = 0;
+        for i in 0..200 {
+            let is_begun = self.path(checkpoint).exists();
+            let words = if is_begun { format!("resume {checkpoint}") } else { render.into() };
+            let mut child = self.command(&words).stderr(Stdio::null()).spawn().expect("joton runs");
+            std::thread::sleep(Duration::from_millis(150 + 37 * (i % 7) + 10 * i));
+            if let Some(ended) = child.try_wait().expect("its state") {
+                assert_eq!(ended.code(), Some(0), "{words}");
+                break;
+            }
+            child.kill().expect("it is killed");
+            child.wait().expect("it ends");
+            kills += 1;
+        }
+        assert!(kills > 0, "it was never killed");
+        kills
+    }
+
     pub fn image(&self, name: &str) -> Image {
         exr_file::read_image(&self.path(name)).expect("a readable EXR")
     }

@@ -47,25 +47,8 @@ fn a_killed_part_goes_on() {
     let render = "render spheres.toml --size 24x24 --device cpu";
     folder.done(&format!("{render} --pass-range 0..48 --checkpoint whole.joton -o whole.exr"));
     folder.done(&format!("{render} --pass-range 0..32 --checkpoint a.joton"));
-    let mut kills = 0;
-    for i in 0..200 {
-        let words = if folder.path("b.joton").exists() {
-            "resume b.joton".into()
-        } else {
-            format!("{render} --pass-range 32..48 --checkpoint b.joton --every 1e-9")
-        };
-        let mut child =
-            folder.command(&words).stderr(std::process::Stdio::null()).spawn().expect("joton runs");
-        std::thread::sleep(std::time::Duration::from_millis(150 + 37 * (i % 7) + 10 * i));
-        if let Some(ended) = child.try_wait().expect("its state") {
-            assert_eq!(ended.code(), Some(0), "{words}");
-            break;
-        }
-        child.kill().expect("it is killed");
-        child.wait().expect("it ends");
-        kills += 1;
-    }
-    assert!(kills > 0, "it was never killed");
+    let render = format!("{render} --pass-range 32..48 --checkpoint b.joton --every 1e-9");
+    let kills = folder.done_though_killed(&render, "b.joton");
     folder.done("merge b.joton a.joton -o merged.exr");
     assert!(bits(&folder, "merged.exr") == bits(&folder, "whole.exr"), "after {kills} kills");
 }
