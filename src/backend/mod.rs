@@ -54,8 +54,7 @@ pub trait Backend {
         1
     }
 
-    /// How much the maps are blurred in a pass: the squared radius of their estimates, relative to the first pass; 0 without
-    /// maps.
+    /// How much the maps are blurred in a pass: the radius of their estimates, relative to the first pass; 0 without maps.
     fn blur(&self, pass: u64) -> f64 {
         let _ = pass;
         0.0

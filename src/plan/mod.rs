@@ -272,11 +272,11 @@ impl Plan {
         }
     }
 
-    /// How much the radii blur the maps in a pass: the squared radius, relative to the first pass; 0 without a map.
+    /// How much the radii blur the maps in a pass: the radius, relative to the first pass; 0 without a map.
     pub fn blur(&self, pass: u64) -> f64 {
         // both shrink alike
         let has_map = MapKind::ALL.into_iter().any(|kind| self.has_map(kind));
-        if has_map { shrink(ALPHA, pass) } else { 0.0 }
+        if has_map { shrink(ALPHA, pass).sqrt() } else { 0.0 }
     }
 
     /// True where something mirrors or refracts.

@@ -6,7 +6,7 @@ use crate::film::{LAYERS, Layer};
 use crate::spectrum::BANDS;
 use rayon::prelude::*;
 
-/// Least spread of the squared radius over a half's passes, relative to its mean, that a line is put through.
+/// Least spread of the blur over a half's passes, relative to its mean, that a line is put through.
 const SPREAD_MIN: f64 = 1e-3;
 
 /// Sums over the passes of one half for the line through the radiance of the maps against their blur.

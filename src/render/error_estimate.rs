@@ -1,8 +1,8 @@
 //! Error estimate: the passes of a render in two halves, and what these tell of its error without a reference [E16, E18].
 //!
 //! Noise shows in the difference of the halves. Blur shows in how the estimates change with their radius from pass to
-//! pass: a line through them, pixel by pixel, against the squared radius; what it loses from here to radius 0 is bias. Its
-//! square is the product of both halves' biases, so that their noise adds nothing to it on average.
+//! pass: a line through them, pixel by pixel, against the radius; what it loses from here to radius 0 is bias. Its square
+//! is the product of both halves' biases, so that their noise adds nothing to it on average.
 
 use super::blur_line::Line;
 use super::lattice::Lattice;
@@ -17,8 +17,8 @@ const BLOCKS: usize = 8;
 
 /// Factor on the squared noise: it is estimated, not known, and what is rare may not have shown yet.
 const NOISE_SAFETY: f64 = 2.0;
-/// Factor on the squared bias: at an edge of light it grows more slowly than the squared radius, and a line sees part of it.
-const BIAS_SAFETY: f64 = 4.0;
+/// Factor on the squared bias: beside an edge of light, radii that have shrunk past it leave a line no slope.
+const BIAS_SAFETY: f64 = 1.5;
 
 /// Up to so many passes the mean is taken for the pixel's brightness, and bias for noise; of more, less and less. A lamp
 /// that fills a tenth of a pixel is often seen by one half alone, and a line through two passes goes anywhere.
@@ -71,7 +71,7 @@ const SMOOTH_SAFETY: f64 = 2.0;
 /// Relative errors, root mean square over pixels and bands.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ErrorEstimate {
-    /// A bound on all of it: √(2 noise² + 4 bias²), of the bias no more than there is noise: both fall alike.
+    /// A bound on all of it: √(2 noise² + 1.5 bias²), of the bias no more than there is noise: both fall alike.
     pub total: f64,
     /// What differs from seed to seed.
     pub noise: f64,
@@ -111,7 +111,7 @@ impl ErrorEstimator {
     }
 
     /// Add the sums of `passes` passes from pass `first` on, all of one [`run`]. `blur` is the mean over them of the maps'
-    /// squared radius, relative to the first pass; 0 without maps.
+    /// radius, relative to the first pass; 0 without maps.
     pub(crate) fn add(&mut self, first: u64, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {
         if first.is_power_of_two() {
             self.before = self.error().map(|e| (self.film.passes(), e));
@@ -462,7 +462,7 @@ mod tests {
         }
     }
 
-    /// What grows with the squared radius is bias, to 5 % where it stands out of the noise.
+    /// What grows with the radius is bias, to 5 % where it stands out of the noise.
     #[test]
     fn blur_is_found() {
         let blur = |pass: u64| ((pass + 1) as f64).powf(-1.0 / 3.0);
@@ -477,6 +477,41 @@ mod tests {
         // drowned in noise it is not made up
         let e = after(passes, blur, |n, p| 2.0 + uniform(n, p)).error().expect("two halves");
         assert!(e.bias < 0.5 * e.noise, "{e:?}");
+    }
+
+    /// The radii of a render, relative to the first.
+    fn radius(pass: u64) -> f64 {
+        crate::estimators::radii::shrink(2.0 / 3.0, pass).sqrt()
+    }
+
+    /// An edge of light, blurred by discs that shrink, is told at no less than a tenth below what it is, nor above 1.3 times
+    /// that; blur of smooth light, which grows with the squared radius, at two to three times.
+    #[test]
+    fn edges_and_smooth_light_are_told_as_blurred() {
+        for passes in [16, 64, 256] {
+            // rows alike, each with an edge in its middle; the part of a disc around x, of radius r, that lies beyond the edge
+            let x = |p: usize| (p % 40) as f64 - 19.5;
+            let beyond = |u: f64| {
+                let u = u.clamp(-1.0, 1.0);
+                (u.acos() - u * (1.0 - u * u).sqrt()) / std::f64::consts::PI
+            };
+            let blurred = |n: u64, p: usize| 1.0 + beyond(x(p) / (15.0 * radius(n)));
+            let sharp = |p: usize| if x(p) < 0.0 { 2.0 } else { 1.0 };
+            let mean = |at: &dyn Fn(u64) -> f64| (0..passes).map(at).sum::<f64>() / passes as f64;
+            let error = |(truth, told): (f64, f64)| ((told - truth) / (told * told + RELATIVE_OFFSET).sqrt()).powi(2);
+            let errors = (0..40).map(|p| error((sharp(p), mean(&|n| blurred(n, p)))));
+            let truth = (errors.sum::<f64>() / 40.0).sqrt();
+            // what is seen as noise is blur that changes: it counts with the rest
+            let e = after(passes, radius, blurred).error().expect("two halves");
+            let told = BIAS_SAFETY.sqrt() * e.bias / truth;
+            assert!((0.9..1.3).contains(&told), "{passes} passes: {told} of {truth}, {e:?}");
+
+            let smooth = |n: u64| 2.0 + 0.2 * radius(n).powi(2);
+            let truth = error((2.0, mean(&smooth))).sqrt();
+            let e = after(passes, radius, |n, _| smooth(n)).error().expect("two halves");
+            let told = BIAS_SAFETY.sqrt() * e.bias / truth;
+            assert!((2.0..3.1).contains(&told), "{passes} passes: {told} of {truth}, {e:?}");
+        }
     }
 
     /// The bias of sharing counts as it is where all pixels have it, and not where chance alone makes products of both signs.
