@@ -1,6 +1,7 @@
 //! Blur line: how the radiance of the maps changes, from pass to pass, with the radius of their estimates [E18].
 
 use super::lattice::Lattice;
+use crate::film::neighbours::around;
 use crate::film::tile_schedule::{Run, TILE};
 use crate::film::{LAYERS, Layer};
 use crate::spectrum::BANDS;
@@ -72,11 +73,38 @@ impl Line {
         self.moments = std::array::from_fn(|i| self.moments[i] + other.moments[i]);
     }
 
-    /// Factors (p, q) such that p Σ bL − q Σ L is the slope of the line through radiance L against blur b; none where
-    /// nothing is blurred or all passes alike.
-    pub(super) fn slope(&self) -> Option<[f64; 2]> {
+    /// What each pixel has too much because of a blur of this mean, W/(m² sr): the slope of the line through its radiance
+    /// against blur, times that; none where nothing is blurred or all passes alike.
+    fn bias(&self, mean_blur: f64) -> Option<Vec<[f64; BANDS]>> {
         let [b, bb] = self.moments;
         let spread = bb - b * b / self.passes;
-        (b > 0.0 && spread > SPREAD_MIN * bb).then(|| [1.0 / spread, b / self.passes / spread])
+        if b <= 0.0 || spread <= SPREAD_MIN * bb {
+            return None;
+        }
+        let bias = |(blurred, radiance): (&[f64; BANDS], &[f64; BANDS])| {
+            std::array::from_fn(|i| (blurred[i] - b / self.passes * radiance[i]) / spread * mean_blur)
+        };
+        Some(self.blurred.par_iter().zip(&self.radiance).map(bias).collect())
     }
+}
+
+/// The squared bias of each pixel of the lattice, (W/(m² sr))², without noise in its mean: the product of what both halves of
+/// `passes` passes tell, each a mean over 3 × 3 pixels. None where no half tells.
+pub(super) fn squared_bias(lines: &[Line; 2], lattice: &Lattice, passes: u64) -> Option<Vec<[f64; BANDS]>> {
+    let mean_blur = lines.iter().map(|l| l.moments[0]).sum::<f64>() / passes as f64;
+    let [first, second] = lines.each_ref().map(|line| line.bias(mean_blur));
+    let (first, second) = (first?, second?);
+    let size = lattice.size.map(|n| n as u32);
+    let product = |p: usize| {
+        let (mut sums, mut pixels) = ([[0.0; BANDS]; 2], 0.0);
+        for near in around(p as u32, size) {
+            pixels += 1.0;
+            for i in 0..BANDS {
+                sums[0][i] += first[near][i];
+                sums[1][i] += second[near][i];
+            }
+        }
+        std::array::from_fn(|i| sums[0][i] * sums[1][i] / (pixels * pixels))
+    };
+    Some((0..lattice.len()).into_par_iter().map(product).collect())
 }

@@ -4,7 +4,7 @@
 //! pass: a line through them, pixel by pixel, against the radius; what it loses from here to radius 0 is bias. Its square
 //! is the product of both halves' biases, so that their noise adds nothing to it on average.
 
-use super::blur_line::Line;
+use super::blur_line::{self, Line};
 use super::lattice::Lattice;
 use crate::film::tile_schedule::TileSchedule;
 use crate::film::{Film, LAYERS, Layer, RELATIVE_OFFSET, SAMPLES_MAX, half};
@@ -255,8 +255,7 @@ impl ErrorEstimator {
         let (a, b) = (self.early_passes as f64, all - self.early_passes as f64);
         // Var(mean of all) = Var(difference of the parts' means) · ab/(a+b)²
         let share = a * b / (all * all);
-        let slopes = self.lines.each_ref().map(Line::slope);
-        let mean_blur = self.lines.iter().map(|l| l.moments[0]).sum::<f64>() / all;
+        let of_blur = blur_line::squared_bias(&self.lines, &self.lattice, self.film.passes());
         let smooth_scale = self.smooth.as_ref().map_or(0.0, |s| (s.passes as f64 / all).powf(SMOOTH_RATE));
         let trust = (TRUSTING_PASSES / all).min(1.0);
         let offset = self.offset();
@@ -285,16 +284,8 @@ impl ErrorEstimator {
                         let part = if square_mean > 0.0 { with * with / square_mean } else { 1.0 };
                         row.smooth_noise += smooth_scale * f64::from(shared.variance) * part * weight;
                         of_sharing += smooth_scale * f64::from(shared.bias) * part * weight;
-                        if let [Some(first), Some(second)] = slopes {
-                            let slope = |line: &Line, [p_factor, q_factor]: [f64; 2]| {
-                                p_factor * line.blurred[p][i] - q_factor * line.radiance[p][i]
-                            };
-                            // what a pixel has too much for the radii is slope times mean blur
-                            row.bias[x * BLOCKS / width] += slope(&self.lines[0], first)
-                                * slope(&self.lines[1], second)
-                                * mean_blur
-                                * mean_blur
-                                * weight;
+                        if let Some(squares) = &of_blur {
+                            row.bias[x * BLOCKS / width] += squares[p][i] * weight;
                         }
                     }
                     row.smooth_bias += of_sharing;
