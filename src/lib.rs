@@ -61,4 +61,4 @@ pub mod scene;
 pub mod spectrum;
 
 pub use error::{Error, Result};
-pub use host::memory::peak as peak_memory;
+pub use host::memory::{peak as peak_memory, set_limit as set_memory_limit};

@@ -50,7 +50,7 @@ pub(super) struct BenchArguments {
     /// Image size, instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
     size: Option<[u32; 2]>,
-    /// Memory of a device's buffers, at most, as for `joton render`.
+    /// Memory of the whole process, device included, at most, as for `joton render`.
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
     /// Light paths to render, as for `joton render`.

@@ -5,6 +5,7 @@ use joton::backend::gpu::{Context, GpuBackend};
 use joton::backend::{Backend, guarded};
 use joton::packed::PackedScene;
 use joton::plan::Plan;
+use joton::plan::process_memory::Place;
 use joton::{Error, Result};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ impl Devices {
         if reference && device != "cpu" {
             return Err(Error::usage("--reference is the path tracer on the CPU", "add --device cpu"));
         }
-        let on_cpu: Open = Box::new(move |scene, plan| Ok(cpu(reference, scene, plan)));
+        let on_cpu: Open = Box::new(move |scene, plan| cpu(reference, scene, plan));
         let on_gpu = |name: Option<String>| -> Open {
             Box::new(move |scene, plan| gpu(Context::open(name.as_deref())?, scene, plan))
         };
@@ -85,6 +86,8 @@ pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan
 }
 
 fn gpu(context: Context, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Opened> {
+    let mut wanted = wanted.clone();
+    wanted.bound_process(scene, Place::Device)?;
     let unusable = |words: String| Error::device(words, "use --device cpu");
     let backend =
         guarded(|| GpuBackend::new(context, Arc::clone(scene), wanted.clone())).map_err(unusable)??;
@@ -94,16 +97,17 @@ fn gpu(context: Context, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Open
         line += &format!(", {strips} strips of the image after each other");
     }
     let jotons = |p: &Plan| p.caustic_jotons + p.diffuse_jotons;
-    if jotons(&plan) < jotons(wanted) {
-        line += &format!(", {} jotons a pass instead of {}", jotons(&plan), jotons(wanted));
+    if jotons(&plan) < jotons(&wanted) {
+        line += &format!(", {} jotons a pass instead of {}", jotons(&plan), jotons(&wanted));
     }
     Ok((Box::new(backend), line, plan))
 }
 
-fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Opened {
-    let (scene, own) = (Arc::clone(scene), plan.clone());
+fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Result<Opened> {
+    let (scene, mut own) = (Arc::clone(scene), plan.clone());
+    own.bound_process(&scene, Place::Cpu)?;
     let backend: Box<dyn Backend> =
         if reference { Box::new(PathTracer::new(scene, own)) } else { Box::new(CpuBackend::new(scene, own)) };
     let line = backend.describe();
-    (backend, line, plan.clone())
+    Ok((backend, line, plan.clone()))
 }

@@ -15,6 +15,13 @@ pub(super) fn parse(text: &str) -> Result<u64, String> {
     }
 }
 
+/// Keep this process to a limit, if there is one, from the first file that it reads.
+pub(super) fn bound(limit: Option<u64>) {
+    if let Some(bytes) = limit {
+        joton::set_memory_limit(bytes);
+    }
+}
+
 /// Bytes as MiB.
 pub(super) fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / UNITS[1].1)

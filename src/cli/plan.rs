@@ -9,6 +9,7 @@ use joton::packed::OutOfReach;
 use joton::plan::buffers::{Buffer, Expected};
 use joton::plan::kernels::Kernel;
 use joton::plan::model::{GpuModel, Prediction};
+use joton::plan::process_memory::{Place, ProcessMemory};
 use joton::plan::{Plan, Settings};
 use serde_json::json;
 use std::path::PathBuf;
@@ -27,7 +28,7 @@ pub(super) struct PlanArguments {
     /// Do what the scene does not need, too: all, or names as they are told here.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
-    /// Memory of the device's buffers, at most, e.g. 512M.
+    /// Memory of the whole process, device included, at most, e.g. 512M.
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
     /// What a pass would take on a GPU, by a model: rtx-4070, h200, or bytes and rays a second, like 0.5T,1.5G.
@@ -40,6 +41,7 @@ pub(super) struct PlanArguments {
 
 pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let model = a.model.as_deref().map(GpuModel::parse).transpose()?;
+    memory::bound(a.memory);
     let mut scene = joton::scene::load(&a.scene)?;
     if let Some(size) = a.size {
         scene.resize(size);
@@ -51,12 +53,18 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     }
     let packed = pack(&scene, &settings)?;
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
-    let expected = Expected::look(&packed, Plan::new(&packed, settings))?;
+    let mut wanted = Plan::new(&packed, settings);
+    wanted.bound_process(&packed, Place::Device)?;
+    let setup_bytes = joton::peak_memory();
+    let expected = Expected::look(&packed, wanted)?;
     let (plan, needs) = (&expected.plan, expected.needs(&packed));
     let (kernels, buffers, strips) = (needs.kernels(&expected.traffic), needs.buffers(), needs.strips);
     let milliseconds: f64 = kernels.iter().map(|k| k.milliseconds).sum();
     let bytes: u64 = buffers.iter().map(|b| b.bytes).sum();
     let host_bytes = needs.host_bytes();
+    let [process, on_cpu] = [Place::Device, Place::Cpu].map(|place| ProcessMemory::of(&packed, plan, place));
+    let peak = |rendering: u64| rendering.max(setup_bytes.unwrap_or(0));
+    let [peak, peak_on_cpu] = [peak(process.total() + bytes), peak(on_cpu.total())];
     let per_pixel = [host_bytes as f64 / packed.pixels() as f64, needs.bytes_per_pixel()];
     let scale = packed.world_scale;
     let layers: Vec<&str> = Layer::ALL.into_iter().filter(|&l| plan.traces(l)).map(Layer::name).collect();
@@ -82,6 +90,10 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "bytes_per_pixel": per_pixel[1],
             "host_bytes": host_bytes,
             "host_bytes_per_pixel": per_pixel[0],
+            "process": process,
+            "setup_bytes": setup_bytes,
+            "peak_bytes": peak,
+            "peak_bytes_on_cpu": peak_on_cpu,
             "skipped": plan.skipped,
             "warnings": scene.warnings,
         });
@@ -143,6 +155,17 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         per_pixel[1],
         per_pixel[0],
         mebibytes(host_bytes)
+    ));
+    say(format_args!(
+        "memory of the process, at most: {} with a device (program and driver {}, scene {}, films {}, buffers {}), {} with \
+         --device cpu{}",
+        mebibytes(peak),
+        mebibytes(process.program),
+        mebibytes(process.scene),
+        mebibytes(process.films),
+        mebibytes(bytes),
+        mebibytes(peak_on_cpu),
+        setup_bytes.map_or(String::new(), |b| format!("; reading and hierarchy took {}", mebibytes(b)))
     ));
     say("");
     for s in &plan.skipped {

@@ -12,6 +12,7 @@ use joton::output::report::{Circumstances, KernelTime, Report};
 use joton::output::{self, display, exr, png};
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
 use joton::render::{Failure, PassRange, Progress, Reason, RenderState, Rendered, Stop};
+use joton::scene::Mesh;
 use joton::{Error, Result};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ pub(super) struct RenderArguments {
     /// Share light on surfaces with neighbouring pixels when the picture is made.
     #[arg(long, default_value = "on")]
     resolve: Switch,
-    /// Memory of the device's buffers, at most, e.g. 512M or 2G [default: what the device allows].
+    /// Memory of the whole process, device included, at most, e.g. 512M or 2G [default: what there is].
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
     /// Exposure of PNG files: auto, or a number of stops.
@@ -160,6 +161,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     let mut narrator = Narrator::new(a.progress, a.quiet);
     let mut setup = Laps::from(begin);
     narrator.step("reading the scene");
+    memory::bound(a.memory);
     let mut scene = joton::scene::load(&a.scene)?;
     setup.lap("reading");
     output::check_not_read(written(), &scene.files)?;
@@ -170,6 +172,8 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     narrator.step("building the hierarchy");
     let packed = Arc::new(pack(&scene, &settings)?);
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
+    // it is packed
+    scene.mesh = Mesh::default();
     for warning in &scene.warnings {
         narrator.warning(warning);
     }

@@ -15,13 +15,16 @@ use sums::Sums;
 
 /// Bytes of a pixel of a layer: its sum, the last sample where it rests, and a batch of it, whose place the picture takes.
 const LAYER_BYTES: u64 = 24 + 12 + 12;
-/// Bytes of a pixel of the whole picture, of who has trees (level, what they saw, a list), and of what the pilot found out of it.
-const PIXEL_BYTES: u64 = 12 + 17 + 64;
+/// Bytes of a pixel of the whole picture.
+const PIXEL_BYTES: u64 = 12;
+/// Bytes of a pixel of who has trees (level, what they saw, a list), and of what more surfaces it shows through glass and in
+/// mirrors.
+const TREE_BYTES: u64 = 17 + 31;
 /// Bytes of a pixel that is looked at to tell the error.
 const SAMPLE_BYTES: u64 = 120;
 /// Bytes of a pixel that is resolved: what its errors weigh, what it shows, blocks of all sizes, what neighbours tell, and what threads
 /// have not given back.
-const RESOLVE_BYTES: u64 = 16 + 60 + 70 + 100 + 16;
+const RESOLVE_BYTES: u64 = 16 + 60 + 60 + 62 + 16;
 /// Bytes of a layer of it: its first half, both means, what blocks found, what came of it, and what it was.
 const RESOLVE_LAYER_BYTES: u64 = 24 + 24 + 43 + 20 + 12;
 /// Bytes more of each sum that is exact.
@@ -31,14 +34,32 @@ pub const SAMPLES_MAX: u64 = 1 << 19;
 /// Most pixels of an image: they are numbered in 28 bits.
 const PIXELS_MAX: u64 = 1 << 28;
 
-/// Bytes of host memory for an image of which so many layers hold light, and so many are resolved, from the first pass to the written
-/// file, at most. Where a layer is black none are taken. Sums of a part of a render are exact.
-pub fn host_bytes(size: [u32; 2], layers: usize, resolved: usize, is_part: bool) -> u64 {
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let to_resolve = if resolved > 0 { RESOLVE_BYTES + RESOLVE_LAYER_BYTES * resolved as u64 } else { 0 };
-    let exact = if is_part { EXACT_BYTES * (layers + resolved) as u64 } else { 0 };
-    let each = PIXEL_BYTES + LAYER_BYTES * layers as u64 + to_resolve + exact;
-    pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
+/// What decides how much memory an image takes on the host.
+#[derive(Debug, Clone, Copy)]
+pub struct FilmNeeds {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Layers that hold light: where one is black none is taken.
+    pub layers: usize,
+    /// Those of them that are resolved.
+    pub resolved: usize,
+    /// Camera trees look through mirrors and glass.
+    pub has_trees: bool,
+    /// It is a part of a render: its sums are exact.
+    pub is_part: bool,
+}
+
+impl FilmNeeds {
+    /// Bytes from the first pass to the written file, at most.
+    pub fn bytes(&self) -> u64 {
+        let [layers, resolved] = [self.layers, self.resolved].map(|n| n as u64);
+        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        let trees = if self.has_trees { TREE_BYTES } else { 0 };
+        let to_resolve = if resolved > 0 { RESOLVE_BYTES + RESOLVE_LAYER_BYTES * resolved } else { 0 };
+        let exact = if self.is_part { EXACT_BYTES * (layers + resolved) } else { 0 };
+        let each = PIXEL_BYTES + trees + LAYER_BYTES * layers + to_resolve + exact;
+        pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
+    }
 }
 
 /// Refuse an image that does not fit the memory that is left, before any of it is taken.
@@ -46,9 +67,9 @@ pub fn host_bytes(size: [u32; 2], layers: usize, resolved: usize, is_part: bool)
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2], is_part: bool) -> Result<()> {
-    let need = host_bytes(size, LAYERS, 0, is_part);
-    let most = PIXELS_MAX * (PIXEL_BYTES + (LAYER_BYTES + EXACT_BYTES) * LAYERS as u64);
-    let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
+    let least = |size| FilmNeeds { size, layers: LAYERS, resolved: 0, has_trees: false, is_part }.bytes();
+    let most = PIXELS_MAX * (PIXEL_BYTES + TREE_BYTES + (LAYER_BYTES + EXACT_BYTES) * LAYERS as u64);
+    let (need, limit) = (least(size), crate::host::memory::available().unwrap_or(u64::MAX).min(most));
     if need > limit {
         let remedy = "render a smaller image (--size)".to_string();
         return Err(Error::Capacity { buffer: "the film", need, limit, remedy });

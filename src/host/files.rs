@@ -40,7 +40,7 @@ pub(crate) fn other_kind(meta: &Metadata) -> Option<&'static str> {
 /// # Errors
 /// [`Error::Io`] where it is no regular file, too large, or more than the memory that is left.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
-    read_at_most(path, TEXT_BYTES_MAX, memory::available())
+    read_at_most(path, TEXT_BYTES_MAX, memory::allowed())
 }
 
 /// Refuse to read what takes more memory than is left.
@@ -48,13 +48,15 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Io`] with need and limit.
 pub(crate) fn check_memory(path: &Path, need: u64) -> Result<()> {
-    check_left(path, need, memory::available())
+    check_left(path, need, memory::allowed())
 }
 
 fn check_left(path: &Path, need: u64, left: Option<u64>) -> Result<()> {
     match left {
         Some(left) if need > left => {
-            let what = format!("that takes {need} bytes of memory, {left} are left; split it or free some");
+            let what = format!(
+                "that takes {need} bytes of memory, {left} are left; split it, free some or allow more (--memory)"
+            );
             Err(Error::io(path, "read", what))
         }
         _ => Ok(()),

@@ -1,5 +1,24 @@
 //! Memory: what this process has used and may still ask for, as far as the system tells (Linux).
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Bytes that this process may take, as its user said.
+static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
+
+/// Bound what this process takes while it reads a scene and builds its hierarchy, bytes: what would need more is refused. How
+/// much the render takes then follows from [`crate::plan::Settings::memory`].
+pub fn set_limit(bytes: u64) {
+    LIMIT.store(bytes, Ordering::Relaxed);
+}
+
+/// Bytes that may still be taken: what is available, and what [`set_limit`] leaves.
+pub(crate) fn allowed() -> Option<u64> {
+    let limit = LIMIT.load(Ordering::Relaxed);
+    let left =
+        (limit < u64::MAX).then(|| limit.saturating_sub(kib_of("/proc/self/status", "VmRSS:").unwrap_or(0)));
+    [available(), left].into_iter().flatten().min()
+}
+
 /// Largest resident set of this process so far, bytes.
 pub fn peak() -> Option<u64> {
     kib_of("/proc/self/status", "VmHWM:")

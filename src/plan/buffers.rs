@@ -8,7 +8,7 @@ use super::traffic::Traffic;
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::{SplitPaths, TREES_MAX};
-use crate::film::{LAYERS, Layer, host_bytes};
+use crate::film::{LAYERS, Layer};
 use crate::packed::accel::Node;
 use crate::packed::constants::{SMALL_WORDS, TILE, TILES_VECTORS};
 use crate::packed::layout::{
@@ -111,7 +111,7 @@ impl<'a> BufferPlan<'a> {
         let mut all = scene_buffers(self.scene, self.plan, &self.machine);
         all.extend(self.pass_buffers());
         if self.shapes.diffuse.is_some() {
-            let most = area_points_most(self.plan.settings.memory);
+            let most = area_points_most(self.plan.buffer_limit());
             all.push(area_points(area_points_wanted(self.scene, self.plan.diffuse.radius(0), most), most));
         }
         let bytes = |is_read: &dyn Fn(&str) -> bool| -> u64 {
@@ -162,18 +162,21 @@ impl<'a> BufferPlan<'a> {
             return Err(Error::Capacity { buffer: b.name, need: b.bytes, limit, remedy });
         }
         let Some(limit) = self.plan.settings.memory else { return Ok(()) };
-        let need = self.most_bytes();
-        if need > limit {
-            let remedy =
-                "allow more (--memory), render a smaller image (--size) or use --device cpu".to_string();
-            return Err(Error::Capacity { buffer: "the device", need, limit, remedy });
+        let need = |limit: u64| {
+            let buffers = limit.saturating_sub(self.plan.beside);
+            self.most_bytes(Some(buffers)).saturating_add(self.plan.beside)
+        };
+        if need(limit) <= limit {
+            return Ok(());
         }
-        Ok(())
+        // area points take a part of what there is: of more there are more, but the sum converges
+        let enough = std::iter::successors(Some(need(0)), |n| (need(*n) > *n).then(|| need(*n)));
+        Err(self.plan.too_large(enough.last().unwrap_or(limit), limit))
     }
 
-    /// Bytes of all buffers, at most: later passes have more area points.
-    fn most_bytes(&self) -> u64 {
-        let most = area_points_most(self.plan.settings.memory);
+    /// Bytes of all buffers with a limit on them, at most: later passes have more area points.
+    fn most_bytes(&self, limit: Option<u64>) -> u64 {
+        let most = area_points_most(limit);
         let area = |b: &Buffer| if b.name == "area_points" { area_points(most, most).bytes } else { b.bytes };
         self.buffers().iter().map(area).sum()
     }
@@ -184,10 +187,9 @@ impl<'a> BufferPlan<'a> {
         pixel_buffers(self.plan, pixels).iter().map(|b| b.bytes).sum::<u64>() as f64 / pixels as f64
     }
 
-    /// Bytes of host memory beside the buffers, at most.
+    /// Bytes of the films of the host, at most.
     pub fn host_bytes(&self) -> u64 {
-        let layers = self.plan.layers.iter().filter(|traced| **traced).count();
-        host_bytes(self.scene.size, layers, self.plan.resolved_layers().len(), self.plan.settings.is_part)
+        self.plan.films(self.scene.size).bytes()
     }
 
     /// Check that so many free bytes hold the buffers of a device whose memory is the host's, and what the host needs itself. How
@@ -196,7 +198,7 @@ impl<'a> BufferPlan<'a> {
     /// # Errors
     /// [`Error::Memory`] with need, what is free, and what to do.
     pub fn check_free(&self, free: Option<u64>) -> Result<()> {
-        let need = self.most_bytes().saturating_add(self.host_bytes());
+        let need = self.most_bytes(self.plan.buffer_limit()).saturating_add(self.host_bytes());
         match free {
             Some(free) if need > free => Err(Error::Memory { need, free }),
             _ => Ok(()),

@@ -274,7 +274,7 @@ impl BufferPlan<'_> {
             list.add("gather", map, &pixels, gather);
             return;
         }
-        let most = area_points_most(self.plan.settings.memory);
+        let most = area_points_most(self.plan.buffer_limit());
         let wanted = area_points_wanted(self.scene, schedule.radius(0), most);
         let (sample, _) = scatter_area_points(self.scene, wanted.min(AREA_SAMPLES), 0);
         let sample: Vec<Vec3> = sample.iter().map(|p| p.position).collect();

@@ -10,6 +10,7 @@ pub mod kernels;
 pub mod map_layout;
 pub mod model;
 mod pilot;
+pub mod process_memory;
 mod skip;
 pub mod strips;
 mod technique;
@@ -39,7 +40,8 @@ pub struct Settings {
     pub shadow_rays: u32,
     /// Light on surfaces is shared with neighbours when a picture is made \[E29\].
     pub resolve: bool,
-    /// Bytes that a device's buffers may take together; none for as much as it allows.
+    /// Bytes that a device's buffers may take together, or after [`Plan::bound_process`] the whole process; none for as much as
+    /// there is.
     pub memory: Option<u64>,
     /// What is not skipped, whether the scene needs it or not.
     pub keep: Vec<Part>,
@@ -99,6 +101,8 @@ pub struct Plan {
     pub diffuse: Schedule,
     /// What is not done, and why.
     pub skipped: Vec<Skip>,
+    /// Bytes of [`Settings::memory`] that are not for the buffers of a device.
+    pub beside: u64,
 }
 
 /// How light that was diffusely reflected before (the diffuse layer) is found.
@@ -230,6 +234,7 @@ impl Plan {
             caustic: Schedule { base: caustic, alpha: ALPHA },
             diffuse: Schedule { base: diffuse, alpha: ALPHA },
             skipped: skips.skipped,
+            beside: 0,
             pilot,
         }
     }

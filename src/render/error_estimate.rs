@@ -489,7 +489,8 @@ mod tests {
             let blurred = |n: u64, p: usize| 1.0 + beyond(x(p) / (15.0 * radius(n)));
             let sharp = |p: usize| if x(p) < 0.0 { 2.0 } else { 1.0 };
             let mean = |at: &dyn Fn(u64) -> f64| (0..passes).map(at).sum::<f64>() / passes as f64;
-            let error = |(truth, told): (f64, f64)| ((told - truth) / (told * told + RELATIVE_OFFSET).sqrt()).powi(2);
+            let error =
+                |(truth, told): (f64, f64)| ((told - truth) / (told * told + RELATIVE_OFFSET).sqrt()).powi(2);
             let errors = (0..40).map(|p| error((sharp(p), mean(&|n| blurred(n, p)))));
             let truth = (errors.sum::<f64>() / 40.0).sqrt();
             // what is seen as noise is blur that changes: it counts with the rest

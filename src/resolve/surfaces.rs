@@ -36,7 +36,8 @@ impl Surfaces {
         let first: Vec<Vec<Patch>> = (0..pixels)
             .into_par_iter()
             .map(|pixel| {
-                let mut seen = Vec::new();
+                // most pixels show one, and there are many
+                let mut seen = Vec::with_capacity(1);
                 look(scene, seed, pixel, 0, |patch| seen.push(patch));
                 seen
             })
@@ -55,7 +56,7 @@ impl Surfaces {
                     (_, true) => LOOKS_THROUGH,
                     _ => LOOKS,
                 };
-                let mut patches: Vec<Patch> = Vec::new();
+                let mut patches: Vec<Patch> = Vec::with_capacity(mine.len());
                 let mut take = |seen: Patch| match patches.iter_mut().find(|p| p.goes_with(&seen, 1.0)) {
                     Some(patch) => patch.take(&seen),
                     None => patches.push(seen),

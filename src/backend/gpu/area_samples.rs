@@ -75,7 +75,7 @@ impl GpuBackend {
         }
         // cells are as wide as the largest disc of the group, points as dense as its smallest wants them
         let [largest, smallest] = [group.start, group.end - 1].map(|pass| self.plan.diffuse.radius(pass));
-        let most = area_points_most(self.plan.settings.memory);
+        let most = area_points_most(self.plan.buffer_limit());
         let count = area_points_wanted(&self.scene, smallest, most);
         let seed = sequence_seed(self.plan.settings.seed, group.start as u32, STREAM_AREA);
         let grid = build(&self.scene, largest, count, seed);

@@ -1,0 +1,97 @@
+//! Process memory: what a render takes beside the buffers of a device, and what a limit on all of it leaves for these.
+
+use super::Plan;
+use crate::error::{Error, Result};
+use crate::estimators::maps::MapKind;
+use crate::film::{FilmNeeds, Layer};
+use crate::packed::PackedScene;
+use serde::Serialize;
+
+/// Bytes of the program and its runtime.
+const PROGRAM: u64 = 16 << 20;
+/// Bytes more with a device: its driver and the kernels that it compiled, measured with Mesa's software Vulkan.
+const DRIVER: u64 = 120 << 20;
+/// Bytes on the CPU for each joton that is emitted in a pass: it is stored a few times, and sorted.
+const JOTON: u64 = 256;
+
+/// Where passes are rendered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Threads of the host.
+    Cpu,
+    /// A device of wgpu.
+    Device,
+}
+
+/// What the process of a render takes at most beside the buffers of a device, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct ProcessMemory {
+    /// The program, its runtime and the driver of the device.
+    pub program: u64,
+    /// Triangles and their hierarchy, and the jotons of a pass on the CPU.
+    pub scene: u64,
+    /// Sums of the passes, error estimate, sharing among neighbours, the picture and its files.
+    pub films: u64,
+}
+
+impl ProcessMemory {
+    /// Of a plan for a scene.
+    pub fn of(scene: &PackedScene, plan: &Plan, place: Place) -> Self {
+        let jotons: u64 = MapKind::ALL.into_iter().map(|kind| u64::from(plan.jotons(kind))).sum();
+        let (driver, jotons) = match place {
+            Place::Cpu => (0, jotons * JOTON),
+            Place::Device => (DRIVER, 0),
+        };
+        Self {
+            program: PROGRAM + driver,
+            scene: scene.bytes() + jotons,
+            films: plan.films(scene.size).bytes(),
+        }
+    }
+
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.program.saturating_add(self.scene).saturating_add(self.films)
+    }
+}
+
+impl Plan {
+    /// What films an image of this size takes.
+    pub fn films(&self, size: [u32; 2]) -> FilmNeeds {
+        FilmNeeds {
+            size,
+            layers: Layer::ALL.into_iter().filter(|layer| self.traces(*layer)).count(),
+            resolved: self.resolved_layers().len(),
+            has_trees: self.has_specular_bodies(),
+            is_part: self.settings.is_part,
+        }
+    }
+
+    /// Keep the whole process to the limit of the settings: what it takes beside the buffers of a device is taken off what these
+    /// may have. Without this the limit is theirs. Whether anything is left is told where they are made to fit.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] where there are no buffers, and it takes more.
+    pub fn bound_process(&mut self, scene: &PackedScene, place: Place) -> Result<()> {
+        self.beside = ProcessMemory::of(scene, self, place).total();
+        match self.settings.memory {
+            Some(limit) if place == Place::Cpu && self.beside > limit => {
+                Err(self.too_large(self.beside, limit))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Bytes that the buffers of a device may take together; none for as much as it allows.
+    pub(crate) fn buffer_limit(&self) -> Option<u64> {
+        self.settings.memory.map(|limit| limit.saturating_sub(self.beside))
+    }
+
+    /// The render needs so many bytes, of a limit.
+    pub(crate) fn too_large(&self, need: u64, limit: u64) -> Error {
+        let without = if self.resolves { ", share no light among pixels (--resolve off)" } else { "" };
+        let remedy =
+            format!("allow more (--memory), render a smaller image (--size){without} or fewer triangles");
+        Error::Capacity { buffer: "the render", need, limit, remedy }
+    }
+}
