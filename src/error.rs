@@ -111,7 +111,8 @@ pub(crate) fn words(e: &std::io::Error) -> String {
         K::PermissionDenied => "change its permissions or choose another",
         K::IsADirectory => "name a file, not a folder",
         K::ReadOnlyFilesystem => "choose another folder",
-        K::StorageFull => "make room or choose another disc",
+        K::StorageFull | K::QuotaExceeded => "make room or choose another disc",
+        K::FileTooLarge => "choose another disc, or allow larger files (ulimit -f)",
         _ => return e.to_string(),
     };
     format!("{e}; {remedy}")

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     system::leave_windows_out();
+    system::outlive_large_files();
     let done = match cli::Arguments::try_parse() {
         Ok(arguments) => cli::run(arguments).map_err(|e| e.to_string()),
         Err(e) => cli::refuse(&e),

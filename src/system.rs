@@ -49,6 +49,18 @@ pub(crate) fn keep_ignored(install: impl FnOnce()) {
     install();
 }
 
+/// Where a file grows larger than the system allows (`ulimit -f`), that is an error of the write, and not the end of the process with all
+/// that it has rendered.
+#[cfg(unix)]
+pub(crate) fn outlive_large_files() {
+    // SAFETY: no function is installed; the signal exists on every system that has the call.
+    unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) };
+}
+
+/// Only Unix ends processes for that.
+#[cfg(not(unix))]
+pub(crate) fn outlive_large_files() {}
+
 #[cfg(unix)]
 fn is_ignored(signal: libc::c_int) -> bool {
     let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
