@@ -141,8 +141,11 @@ impl Scripts<'_> {
         let [array, merge] = ["render.sh", "merge.sh"].map(|name| self.folder.join(name));
         let text = self.array();
         self.check_parts(&array, &text)?;
-        output::write_text(&array, &text)?;
-        output::write_text(&merge, &self.merge())?;
+        let merge_text = self.merge();
+        let part = |path: &PathBuf, text: String| -> output::Part<'_> {
+            (path.clone(), Box::new(move || text.into_bytes()))
+        };
+        output::write_set(vec![part(&array, text), part(&merge, merge_text)])?;
         Ok([array, merge])
     }
 

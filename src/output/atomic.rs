@@ -1,10 +1,11 @@
 //! Files that are there whole or not at all: written beside their target, then renamed over it.
 
+use super::disc::{self, Written};
 use super::names::{folder_of, resolve};
 use super::scratch::{Scratch, remove_stale};
 use crate::error::{Error, Result, words};
 use std::fs::{self, OpenOptions};
-use std::io::{BufWriter, Cursor, ErrorKind, Seek, Write};
+use std::io::{self, BufWriter, Cursor, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// What a format's encoder writes to.
@@ -44,7 +45,7 @@ pub(super) fn write_all_atomically(files: Vec<(PathBuf, Encode<'_>)>) -> Result<
         }
     }
     for (path, bytes) in in_place {
-        let device = OpenOptions::new().write(true).open(&path);
+        let device = disc::open(&path, OpenOptions::new().write(true));
         let written = device.and_then(|mut device| device.write_all(&bytes));
         written.map_err(|e| Error::system(path, "write", &e))?;
     }
@@ -76,11 +77,52 @@ fn kind_of(path: &Path) -> Result<Kind> {
 /// whole.
 fn scratch(target: &Path, encode: Encode<'_>) -> Result<Scratch, String> {
     let (scratch, file) = Scratch::beside(target).map_err(|e| words(&e))?;
-    let mut buffered = BufWriter::new(file);
-    encode(&mut buffered)?;
-    let file = buffered.into_inner().map_err(|e| words(e.error()))?;
-    file.sync_all().map_err(|e| words(&e))?;
+    let mut watched = Watched { sink: BufWriter::new(file), failed: None };
+    let encoded = encode(&mut watched);
+    // what the system said, and not what the encoder made of it
+    match watched.failed {
+        Some(what) => return Err(what),
+        None => encoded?,
+    }
+    let file = watched.sink.into_inner().map_err(|e| words(e.error()))?;
+    file.sync().map_err(|e| words(&e))?;
     Ok(scratch)
+}
+
+/// A file that keeps what the system said when it first failed: encoders have words of their own for that, or none.
+struct Watched {
+    sink: BufWriter<Written>,
+    failed: Option<String>,
+}
+
+impl Watched {
+    fn keep<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
+        done.inspect_err(|e| {
+            // who is interrupted asks again
+            if e.kind() != ErrorKind::Interrupted {
+                self.failed.get_or_insert_with(|| words(e));
+            }
+        })
+    }
+}
+
+impl Write for Watched {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let done = self.sink.write(bytes);
+        self.keep(done)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let done = self.sink.flush();
+        self.keep(done)
+    }
+}
+
+impl Seek for Watched {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let done = self.sink.seek(to);
+        self.keep(done)
+    }
 }
 
 /// Find out, before the work that fills it, whether a file can be written; nothing is changed, but for what killed processes
@@ -99,7 +141,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
         return Err(fail(format!("the folder {} does not exist; create it first", folder.display())));
     }
     let (_scratch, file) = Scratch::beside(&target).map_err(|e| fail(words(&e)))?;
-    if let Ok(own) = file.metadata() {
+    if let Ok(own) = file.file().metadata() {
         remove_stale(folder, &own);
     }
     Ok(())

@@ -9,6 +9,9 @@ pub mod png;
 pub mod report;
 
 mod atomic;
+mod disc;
+#[cfg(test)]
+mod fault_tests;
 mod heatmap;
 mod names;
 mod scratch;

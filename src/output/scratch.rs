@@ -4,6 +4,7 @@
 //! `.NAME.joton-PID-N.part`: the name tells whose it is. While it is written it is locked, too: where several machines share a
 //! folder, the number alone would not tell whether its process lives.
 
+use super::disc::{self, Written};
 use std::ffi::OsString;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::path::{Path, PathBuf};
@@ -42,7 +43,7 @@ pub(super) struct Scratch(PathBuf);
 impl Scratch {
     /// A new file in the folder of `target`: renaming works only within one file system. It has the owner and the permissions
     /// of what is there now.
-    pub(super) fn beside(target: &Path) -> std::io::Result<(Self, File)> {
+    pub(super) fn beside(target: &Path) -> std::io::Result<(Self, Written)> {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let mut name = OsString::from(".");
         name.push(target.file_name().ok_or_else(|| std::io::Error::other("it names no file"))?);
@@ -57,9 +58,9 @@ impl Scratch {
             std::os::unix::fs::OpenOptionsExt::mode(&mut options, PRIVATE);
         }
         let mut list = unfinished();
-        let file = options.open(&path)?;
+        let file = disc::open(&path, &options)?;
         // some file systems have no locks; then what a killed process leaves stays
-        file.try_lock().ok();
+        file.file().try_lock().ok();
         list.push(path.clone());
         drop(list);
         let scratch = Self(path);
@@ -77,7 +78,14 @@ impl Scratch {
         for (scratch, target) in scratches {
             // with one file there is nothing to go back to
             let before = if scratches.len() > 1 { scratch.keep(target) } else { Ok(Before::Nothing) };
-            match before.and_then(|before| fs::rename(&scratch.0, target).map(|()| before)) {
+            let renamed = before.and_then(|before| match disc::rename(&scratch.0, target) {
+                Ok(()) => Ok(before),
+                Err(e) => {
+                    before.forget();
+                    Err(e)
+                }
+            });
+            match renamed {
                 Ok(before) => {
                     list.retain(|p| *p != scratch.0);
                     done.push((target, before));
@@ -91,10 +99,12 @@ impl Scratch {
         for (target, before) in done {
             // Nothing better can be done where that fails.
             let _ = match (before, &failed) {
-                (Before::Kept(path), None) => fs::remove_file(path),
-                (Before::Kept(path), Some(_)) => fs::rename(path, target),
+                (Before::Kept(path), Some(_)) => disc::rename(&path, target),
                 (Before::Nothing, Some(_)) => fs::remove_file(target),
-                (Before::Nothing, None) => Ok(()),
+                (before, None) => {
+                    before.forget();
+                    Ok(())
+                }
             };
         }
         failed.map_or(Ok(()), Err)
@@ -103,11 +113,14 @@ impl Scratch {
     /// Give what is at `target` a second name.
     fn keep(&self, target: &Path) -> std::io::Result<Before> {
         let path = self.0.with_extension(BEFORE);
-        match fs::hard_link(target, &path) {
+        // some file systems have no second names
+        match disc::link(target, &path).or_else(|_| disc::copy(target, &path)) {
             Ok(()) => Ok(Before::Kept(path)),
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(Before::Nothing),
-            // some file systems have no second names
-            Err(_) => fs::copy(target, &path).map(|_| Before::Kept(path)),
+            Err(e) => {
+                Before::Kept(path).forget();
+                Err(e)
+            }
         }
     }
 }
@@ -117,6 +130,16 @@ enum Before {
     Nothing,
     /// It is here now, too.
     Kept(PathBuf),
+}
+
+impl Before {
+    /// It is not needed any more.
+    fn forget(self) {
+        if let Self::Kept(path) = self {
+            // Nothing better can be done where even removing fails.
+            let _ = fs::remove_file(path);
+        }
+    }
 }
 
 impl Drop for Scratch {
@@ -173,17 +196,17 @@ fn is_same_owner(_: &Metadata, _: &Metadata) -> bool {
 
 /// Owner, where that is allowed, and permissions of what is replaced.
 #[cfg(unix)]
-fn take_over(file: &File, replaced: &Metadata) -> std::io::Result<()> {
+fn take_over(file: &Written, replaced: &Metadata) -> std::io::Result<()> {
     use std::os::unix::fs::{MetadataExt, fchown};
-    let own = file.metadata()?;
+    let own = file.file().metadata()?;
     if (own.uid(), own.gid()) != (replaced.uid(), replaced.gid()) {
-        fchown(file, Some(replaced.uid()), Some(replaced.gid())).ok();
+        fchown(file.file(), Some(replaced.uid()), Some(replaced.gid())).ok();
     }
-    file.set_permissions(replaced.permissions())
+    file.permit(replaced.permissions())
 }
 
 #[cfg(not(unix))]
-fn take_over(_: &File, _: &Metadata) -> std::io::Result<()> {
+fn take_over(_: &Written, _: &Metadata) -> std::io::Result<()> {
     Ok(())
 }
 
