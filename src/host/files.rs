@@ -43,6 +43,14 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
     read_at_most(path, TEXT_BYTES_MAX, memory::allowed())
 }
 
+/// Read a file whole, however long it is.
+///
+/// # Errors
+/// [`Error::Io`] where it is no regular file, or more than the memory that is left.
+pub(crate) fn read_of_any_length(path: &Path) -> Result<Vec<u8>> {
+    read_at_most(path, u64::MAX - 1, memory::available())
+}
+
 /// Refuse to read what takes more memory than is left.
 ///
 /// # Errors
@@ -64,22 +72,58 @@ fn check_left(path: &Path, need: u64, left: Option<u64>) -> Result<()> {
 }
 
 fn read_at_most(path: &Path, most: u64, left: Option<u64>) -> Result<Vec<u8>> {
-    let fail = |what: String| Err(Error::io(path, "read", what));
     let (file, meta) = open(path)?;
-    if meta.len() > most {
-        return fail(format!("it has {} bytes, {most} is the most that is read; split it", meta.len()));
+    read_from(file, path, meta.len(), most, left)
+}
+
+/// Likewise from a reader of a file that says it has `length` bytes.
+fn read_from(file: impl Read, path: &Path, length: u64, most: u64, left: Option<u64>) -> Result<Vec<u8>> {
+    let fail = |what: String| Err(Error::io(path, "read", what));
+    if length > most {
+        return fail(format!("it has {length} bytes, {most} is the most that is read; split it"));
     }
-    check_left(path, meta.len().saturating_mul(MEMORY_PER_BYTE), left)?;
+    check_left(path, length.saturating_mul(MEMORY_PER_BYTE), left)?;
     let mut bytes = Vec::new();
-    if bytes.try_reserve_exact(meta.len() as usize).is_err() {
-        return fail(format!("there is no memory for its {} bytes; split it or free some", meta.len()));
+    if bytes.try_reserve_exact(length as usize).is_err() {
+        return fail(format!("there is no memory for its {length} bytes; split it or free some"));
     }
     // files of some systems are longer than they say, and files grow
     file.take(most + 1).read_to_end(&mut bytes).map_err(|e| Error::system(path, "read", &e))?;
-    if bytes.len() as u64 > most {
+    let found = bytes.len() as u64;
+    if found > most {
         return fail(format!("it has more than {most} bytes, the most that is read; split it"));
     }
+    if found < length {
+        let what = format!("it had {length} bytes and ends after {found}");
+        return fail(format!("{what}; wait until no other program writes it"));
+    }
     Ok(bytes)
+}
+
+/// Reads a few bytes at a time and is interrupted every other time, as the system may do.
+#[cfg(test)]
+pub(crate) struct Stuttering<R> {
+    pub(crate) reader: R,
+    pub(crate) reads: usize,
+}
+
+#[cfg(test)]
+impl<R: Read> Read for Stuttering<R> {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        self.reads += 1;
+        if self.reads % 2 == 1 {
+            return Err(std::io::ErrorKind::Interrupted.into());
+        }
+        let few = into.len().min(1 + self.reads % 7);
+        self.reader.read(&mut into[..few])
+    }
+}
+
+#[cfg(test)]
+impl<R: std::io::Seek> std::io::Seek for Stuttering<R> {
+    fn seek(&mut self, to: std::io::SeekFrom) -> std::io::Result<u64> {
+        self.reader.seek(to)
+    }
 }
 
 #[cfg(test)]
@@ -98,6 +142,30 @@ mod tests {
             let e = read_at_most(&path, most, left).expect_err("refused").to_string();
             assert!(parts.iter().all(|part| e.contains(part)), "{e}");
         }
+    }
+
+    /// A system that gives a few bytes at a time, and is interrupted, gives all of them; a file that becomes shorter while it is read, at
+    /// whatever length, is refused, and so is one that cannot be read on.
+    #[test]
+    fn short_reads_are_gone_on_with_and_short_files_refused() {
+        let bytes: Vec<u8> = (0..200).collect();
+        let path = Path::new("mesh.obj");
+        let read = |reader: &mut dyn Read| read_from(reader, path, 200, 1000, None);
+        let stuttering = |length: usize| Stuttering { reader: &bytes[..length], reads: 0 };
+        assert_eq!(read(&mut stuttering(200)).expect("read"), bytes);
+        for length in 0..200 {
+            let e = read(&mut stuttering(length)).expect_err("refused").to_string();
+            let parts = ["mesh.obj: cannot read", "200 bytes", &format!("after {length};"), "wait"];
+            assert!(parts.iter().all(|part| e.contains(part)), "{e}");
+        }
+        struct Broken;
+        impl Read for Broken {
+            fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+                Err(std::io::ErrorKind::PermissionDenied.into())
+            }
+        }
+        let e = read(&mut (&bytes[..100]).chain(Broken)).expect_err("refused").to_string();
+        assert!(e.contains("mesh.obj: cannot read") && e.contains("change its permissions"), "{e}");
     }
 
     /// A file that says it is empty, as those of /proc do, is read to its end, and refused where that is too far.

@@ -16,8 +16,7 @@ use exr::meta::attribute::LevelMode;
 use exr::meta::header::Header;
 use exr::prelude as e;
 use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
-use std::fs::File;
-use std::io::{BufReader, Seek};
+use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
 /// Channels of an image.
@@ -130,11 +129,15 @@ fn write(path: &Path, size: &Image, channels: Vec<e::AnyChannel<Band<'_>>>, comm
 /// Read the R G B of an EXR file (half, float or uint), from its first part that has them; alpha and other
 /// channels are left aside.
 pub fn read_image(path: &Path) -> Result<Image> {
-    let fail = |what: String| Error::io(path, "read", what);
     let (file, meta) = files::open(path)?;
-    let mut reader = BufReader::new(file);
-    check_header(&mut reader, meta.len(), memory::available()).map_err(fail)?;
-    reader.rewind().map_err(|x| fail(x.to_string()))?;
+    read_from(file, meta.len()).map_err(|what| Error::io(path, "read", what))
+}
+
+/// Likewise from a reader of so many bytes.
+fn read_from(file: impl Read + Seek, length: u64) -> Result<Image, String> {
+    let mut reader = BufReader::new(Patient(file));
+    check_header(&mut reader, length, memory::available())?;
+    reader.rewind().map_err(|x| x.to_string())?;
     let image = e::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -149,14 +152,38 @@ pub fn read_image(path: &Path) -> Result<Image> {
         .all_attributes()
         .non_parallel()
         .from_buffered(reader)
-        .map_err(|x| fail(x.to_string()))?;
+        .map_err(|x| format!("it is cut or damaged ({x}); write it anew"))?;
     Ok(image.layer_data.channel_data.pixels)
 }
 
+/// Asks again where the system was interrupted: the decoder forgets a byte then.
+struct Patient<R>(R);
+
+impl<R: Read> Read for Patient<R> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        loop {
+            match self.0.read(into) {
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+                done => return done,
+            }
+        }
+    }
+}
+
+impl<R: Seek> Seek for Patient<R> {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
 /// Refuse what cannot be read before any pixel is: with the reason in words that help.
-fn check_header(reader: &mut BufReader<File>, length: u64, memory_left: Option<u64>) -> Result<(), String> {
+fn check_header(
+    reader: &mut BufReader<impl Read + Seek>,
+    length: u64,
+    memory_left: Option<u64>,
+) -> Result<(), String> {
     let meta = exr::meta::MetaData::read_from_buffered(reader, false)
-        .map_err(|x| format!("it is not a readable OpenEXR file ({x})"))?;
+        .map_err(|x| format!("it is not a readable OpenEXR file ({x}); name one that is whole"))?;
     let has_rgb = |header: &exr::meta::header::Header| {
         !header.deep
             && CHANNELS.iter().all(|c| header.channels.find_index_of_channel(&e::Text::from(*c)).is_some())
@@ -188,4 +215,32 @@ fn check_header(reader: &mut BufReader<File>, length: u64, memory_left: Option<u
         return Err(format!("{width}x{height} pixels take {need} bytes of memory, {left} are left"));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    /// A system that gives a few bytes at a time, and is interrupted, gives the same picture; a file that ends early, wherever that is, none.
+    #[test]
+    fn short_reads_are_gone_on_with_and_short_files_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.exr");
+        let mut image = Image::new(9, 5);
+        for (i, band) in image.pixels.as_flattened_mut().iter_mut().enumerate() {
+            *band = i as f32;
+        }
+        write_image(&path, &image, "numbers").expect("written");
+        let bytes = std::fs::read(&path).expect("a file");
+        let length = bytes.len() as u64;
+        let stuttering =
+            |length: usize| files::Stuttering { reader: Cursor::new(&bytes[..length]), reads: 0 };
+        let found = read_from(stuttering(bytes.len()), length).expect("read");
+        assert_eq!(found.pixels, image.pixels);
+        for cut in 0..bytes.len() {
+            let e = read_from(stuttering(cut), length).expect_err("it is cut");
+            assert!(e.contains("whole") || e.contains("write it anew"), "{cut} bytes: {e}");
+        }
+    }
 }

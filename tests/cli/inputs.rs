@@ -65,13 +65,13 @@ fn what_has_no_end_is_refused() {
         let made = std::process::Command::new("mkfifo").arg(folder.path(name)).status();
         assert!(made.expect("mkfifo runs").success());
     };
-    for name in ["pipe.toml", "pipe.obj", "pipe.exr"] {
+    for name in ["pipe.toml", "pipe.obj", "pipe.exr", "pipe.joton"] {
         pipe(name);
     }
-    for name in ["zero.toml", "zero.obj", "zero.exr"] {
+    for name in ["zero.toml", "zero.obj", "zero.exr", "zero.joton"] {
         symlink("/dev/zero", folder.path(name)).expect("a link");
     }
-    for name in ["dir.toml", "dir.obj", "dir.exr"] {
+    for name in ["dir.toml", "dir.obj", "dir.exr", "dir.joton"] {
         fs::create_dir(folder.path(name)).expect("a folder");
     }
     let huge = fs::File::create(folder.path("huge.obj")).expect("a file");
@@ -87,6 +87,12 @@ fn what_has_no_end_is_refused() {
         }
         for words in ["compare K.exr a.exr", "compare a.exr K.exr", "bench cornell.toml --reference K.exr"] {
             folder.fails_in_time(&words.replace('K', kind), &[&format!("{kind}.exr"), what]);
+        }
+    }
+    for kind in ["pipe", "zero", "dir"] {
+        for words in ["resume K.joton", "merge K.joton -o c.png"] {
+            let what = if kind == "dir" { "directory" } else { "device or pipe" };
+            folder.fails_in_time(&words.replace('K', kind), &[&format!("{kind}.joton"), what]);
         }
     }
     folder.fails_in_time("plan huge.obj", &["huge.obj", "5368709120 bytes", "4294967296"]);
