@@ -38,7 +38,7 @@ fn stages(c: &mut Criterion) {
         Ok(backend) => backend,
         Err(e) => return eprintln!("stages: left out, {e}"),
     };
-    backend.measure_kernels();
+    backend.measure_kernels().expect("room for times");
     backend.render(0, 1).expect("a pass");
     if backend.kernel_seconds().is_empty() {
         return eprintln!("stages: left out, {} has no timestamps", backend.describe());

@@ -59,7 +59,7 @@ fn what_the_plan_tells_is_what_the_device_does() {
     for (name, settings) in scenes.into_iter().flat_map(|n| [(n, Settings::default()), (n, with_map())]) {
         let scene = file(name, [40, 24]);
         let mut backend = open(&scene, settings);
-        backend.measure_kernels();
+        backend.measure_kernels().unwrap_or_else(|e| panic!("{e}"));
         backend.render(0, 1).unwrap_or_else(|e| panic!("{e}"));
 
         let needs = backend.needs();

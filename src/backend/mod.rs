@@ -30,7 +30,12 @@ pub trait Backend {
     fn describe(&self) -> String;
 
     /// From now on measure what each kernel takes (a little slower); nothing where the device cannot.
-    fn measure_kernels(&mut self) {}
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where the device fails.
+    fn measure_kernels(&mut self) -> Result<()> {
+        Ok(())
+    }
 
     /// Name, seconds and dispatches of each kernel since [`Backend::measure_kernels`].
     fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {

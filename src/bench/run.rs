@@ -45,7 +45,7 @@ fn climb(
         let mut backend = open(seed)?;
         let (device_name, device_bytes) = (backend.describe(), backend.device_bytes());
         if subject.timings {
-            backend.measure_kernels();
+            backend.measure_kernels()?;
         }
         // until the last step is reached
         let stop = Stop { passes: Some(PASSES_MAX), ..Stop::default() };

@@ -86,6 +86,8 @@ pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan
 }
 
 fn gpu(context: Context, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Opened> {
+    #[cfg(debug_assertions)]
+    ask_for_fault(&context);
     let mut wanted = wanted.clone();
     wanted.bound_process(scene, Place::Device)?;
     let unusable = |words: String| Error::device(words, "use --device cpu");
@@ -101,6 +103,19 @@ fn gpu(context: Context, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Open
         line += &format!(", {} jotons a pass instead of {}", jotons(&plan), jotons(&wanted));
     }
     Ok((Box::new(backend), line, plan))
+}
+
+/// Let the device fail as a test asks by `JOTON_TEST_FAULT`, like `Running 12`. No release does that.
+#[cfg(debug_assertions)]
+fn ask_for_fault(context: &Context) {
+    use joton::backend::gpu::faults::Point;
+    let told = std::env::var("JOTON_TEST_FAULT").unwrap_or_default();
+    if let Some((name, number)) = told.split_once(' ') {
+        let point = Point::ALL.into_iter().find(|point| format!("{point:?}") == name);
+        if let (Some(point), Ok(number)) = (point, number.parse()) {
+            context.faults.ask_for(point, number);
+        }
+    }
 }
 
 fn cpu(reference: bool, scene: &Arc<PackedScene>, plan: &Plan) -> Result<Opened> {

@@ -188,7 +188,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     narrator.message(&device);
     let keeper = Keeper::new(a, &scene.files, &device)?;
     if a.timings {
-        backend.measure_kernels();
+        backend.measure_kernels()?;
     }
 
     let interrupted = interrupt::watch();
@@ -224,7 +224,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
         let (mut backend, line, kept) = devices.open(&packed, &wanted).ok()?;
         narrator.borrow().message(&format!("{line}, from pass {} on: {}", failed.passes + 1, failed.what));
         if a.timings {
-            backend.measure_kernels();
+            backend.measure_kernels().ok()?;
         }
         if let Some(keeper) = keeper.borrow_mut().as_mut() {
             keeper.set_device(&line);

@@ -67,7 +67,7 @@ impl GpuBackend {
     /// seed, not on what was rendered before: passes stay independent.
     ///
     /// # Errors
-    /// [`crate::Error::Device`] where binding the new buffer fails.
+    /// [`crate::Error::Device`] where there is no memory for more points.
     pub(super) fn renew_area_points(&mut self, pass: u64) -> Result<()> {
         let group = area_group(pass);
         if self.area.as_ref().is_some_and(|a| a.group == group) {
@@ -82,7 +82,7 @@ impl GpuBackend {
         let bytes: &[u8] = bytemuck::cast_slice(&grid.points);
         if self.buffers["area_points"].size() < bytes.len() as u64 {
             let size = area_points(count, most).bytes;
-            self.buffers.insert("area_points", device_buffers::storage(&self.context, "area_points", size));
+            self.buffers.insert("area_points", device_buffers::storage(&self.context, "area_points", size)?);
             self.bind()?;
         }
         self.context.queue.write_buffer(&self.buffers["area_points"], 0, bytes);

@@ -65,18 +65,21 @@ impl GpuBackend {
         for pass in first..first + u64::from(count) {
             if pass > first {
                 let before = std::mem::replace(&mut encoder, self.context.encoder());
-                self.context.queue.submit([before.finish()]);
+                self.context.submit(before);
             }
             encoder = self.record_pass(pass, encoder)?;
         }
         let begin = Instant::now();
-        let timed = self.timer.as_mut().and_then(|timer| timer.copy_out(&self.context, &mut encoder));
+        let timed = match &mut self.timer {
+            Some(timer) => timer.copy_out(&self.context, &mut encoder)?,
+            None => None,
+        };
         let staging = self.staging.take();
         let mut sources: Vec<_> =
             films::COUNTS.iter().map(|name| &self.buffers[*name]).map(|b| (b, 0..b.size())).collect();
         sources.extend(self.film_parts(&rows));
-        let copy = self.context.copy_out(staging, &sources, &mut encoder);
-        let submission = self.context.queue.submit([encoder.finish()]);
+        let copy = self.context.copy_out(staging, &sources, &mut encoder)?;
+        let submission = self.context.submit(encoder);
         self.host.add(HostWork::Recording, begin.elapsed());
         Ok(Begun { first, count, rows, copy, submission, timed })
     }
@@ -266,7 +269,7 @@ mod tests {
         assert!(backend.begun.is_empty(), "who rests is told anew");
         backend.begin(4, 1).expect("for nothing");
         check(passes(&mut backend, |_| true), "for nothing");
-        backend.measure_kernels();
+        backend.measure_kernels().expect("room for times");
         check(passes(&mut backend, |_| true), "measured");
         let eye = backend.kernel_seconds().into_iter().find(|(name, ..)| name == "eye");
         assert_eq!(
@@ -281,5 +284,36 @@ mod tests {
         backend.bind().expect("smaller maps");
         check(passes(&mut backend, |_| true), "not whole");
         assert!(backend.shapes.caustic.is_some_and(|map| map.lane_capacity > 1));
+    }
+
+    /// A backend without memory for wider maps renders nothing, rather than what it has bound by half, until it is bound anew; a batch that
+    /// began before the device was lost is not taken for whole.
+    #[cfg(debug_assertions)]
+    #[test]
+    fn what_failed_is_not_gone_on_with() {
+        use crate::backend::gpu::faults::Point;
+        if std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1") {
+            return;
+        }
+        let mut backend = open();
+        let wanted = bits(&backend.render(0, 1).expect("a pass"));
+        for map in [&mut backend.shapes.caustic, &mut backend.shapes.diffuse] {
+            map.as_mut().expect("both maps").lane_capacity *= 2;
+        }
+        let faults = Arc::clone(&backend.context.faults);
+        faults.ask_for(Point::Buffer, faults.seen(Point::Buffer) + 1);
+        let e = backend.bind().expect_err("there is no memory").to_string();
+        assert!(e.contains("no memory is left for the buffer"), "{e}");
+        let e = backend.render(0, 1).map(|_| ()).expect_err("it is not bound").to_string();
+        assert!(e.contains("not set up"), "{e}");
+        backend.bind().expect("there is memory again");
+        assert!(bits(&backend.render(0, 1).expect("a pass")) == wanted);
+        backend.begin(1, 1).expect("it begins");
+        faults.ask_for(Point::Running, faults.seen(Point::Running));
+        backend.begin(2, 1).ok();
+        for pass in [1, 2] {
+            let e = backend.render(pass, 1).map(|_| ()).expect_err("it is lost").to_string();
+            assert!(e.contains("--device cpu"), "{e}");
+        }
     }
 }

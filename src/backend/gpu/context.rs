@@ -1,5 +1,6 @@
 //! Context: the adapters of this machine and an open device.
 
+use super::faults::{Faults, Point};
 use crate::backend::guarded;
 use crate::error::{Error, Result};
 use crate::plan::map_layout::DeviceLimits;
@@ -18,8 +19,22 @@ pub struct Context {
     pub limits: wgpu::Limits,
     /// Where it was opened.
     pub(super) adapter: wgpu::Adapter,
-    failure: Arc<Mutex<Option<String>>>,
+    /// What tests make it do wrong.
+    #[doc(hidden)]
+    pub faults: Arc<Faults>,
+    failure: Arc<Mutex<Option<Failure>>>,
 }
+
+/// The first thing that went wrong: in one line, and what to do.
+struct Failure {
+    what: String,
+    remedy: &'static str,
+}
+
+/// What to do about a device that fails …
+const OTHER_DEVICE: &str = "try --device cpu";
+/// … or has not the memory.
+const LESS_MEMORY: &str = "allow the device less (--memory) or use --device cpu";
 
 /// Adapters that can run the kernels: Vulkan, Metal and DX12.
 pub fn adapters() -> Vec<wgpu::Adapter> {
@@ -99,8 +114,10 @@ impl Context {
         let failure = Arc::new(Mutex::new(None));
         let keep = Arc::clone(&failure);
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+            let is_memory = matches!(e, wgpu::Error::OutOfMemory { .. });
+            let remedy = if is_memory { LESS_MEMORY } else { OTHER_DEVICE };
             if let Ok(mut first) = keep.lock() {
-                first.get_or_insert_with(|| e.to_string());
+                first.get_or_insert_with(|| Failure { what: e.to_string(), remedy });
             }
         }));
         // a lost device is no error to wgpu: calls do nothing from then on, or fail by what is missing
@@ -108,10 +125,11 @@ impl Context {
         device.set_device_lost_callback(move |_, words| {
             if let Ok(mut first) = keep.lock() {
                 let why = if words.is_empty() { words } else { format!(": {words}") };
-                *first = Some(format!("the device is lost{why}"));
+                *first = Some(Failure { what: format!("the device is lost{why}"), remedy: OTHER_DEVICE });
             }
         });
-        Ok(Self { device, queue, info, limits, adapter: adapter.clone(), failure })
+        let faults = Arc::default();
+        Ok(Self { device, queue, info, limits, adapter: adapter.clone(), faults, failure })
     }
 
     /// True for a device that runs on the host's processor (lavapipe, SwiftShader).
@@ -140,9 +158,9 @@ impl Context {
     /// [`Error::Device`] with the driver's or wgpu's words.
     pub fn check(&self) -> Result<()> {
         match self.failure.lock().ok().and_then(|mut f| f.take()) {
-            Some(what) => {
+            Some(Failure { what, remedy }) => {
                 let what = what.split_whitespace().collect::<Vec<_>>().join(" ");
-                Err(Error::device(format!("{}: {what}", self.info.name), "try --device cpu"))
+                Err(Error::device(format!("{}: {what}", self.info.name), remedy))
             }
             None => Ok(()),
         }
@@ -162,7 +180,7 @@ impl Context {
     /// [`Error::Device`] where the device was lost.
     fn wait_until(&self, submission: Option<wgpu::SubmissionIndex>) -> Result<()> {
         let stopped = |what: &dyn std::fmt::Display| {
-            Error::device(format!("{} stopped answering: {what}", self.info.name), "try --device cpu")
+            Error::device(format!("{} stopped answering: {what}", self.info.name), OTHER_DEVICE)
         };
         // wgpu panics where it learns while it waits that the device is lost
         let poll = |submission_index| {
@@ -220,8 +238,8 @@ impl Context {
         mut see: impl FnMut(usize, &[u8]),
     ) -> Result<()> {
         let mut encoder = self.encoder();
-        let copy = self.copy_out(staging.take(), sources, &mut encoder);
-        let submission = self.queue.submit([encoder.finish()]);
+        let copy = self.copy_out(staging.take(), sources, &mut encoder)?;
+        let submission = self.submit(encoder);
         *staging = Some(self.see_copy(copy, submission, &mut see)?);
         Ok(())
     }
@@ -231,29 +249,62 @@ impl Context {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
+    /// Hand commands to the queue. No other place does.
+    pub(super) fn submit(&self, commands: wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
+        if self.faults.strike(Point::Submission) {
+            self.device.destroy();
+        }
+        let submission = self.queue.submit([commands.finish()]);
+        if self.faults.strike(Point::Running) {
+            self.device.destroy();
+        }
+        submission
+    }
+
+    /// Make a buffer. No other place does.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where there is no memory for it.
+    pub(super) fn buffer(
+        &self,
+        name: &'static str,
+        size: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer> {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
+        let buffer = self.device.create_buffer(&descriptor);
+        let failed = pollster::block_on(scope.pop()).is_some();
+        if failed || self.faults.strike(Point::Buffer) {
+            let what = format!("{}: no memory is left for the buffer {name} of {size} bytes", self.info.name);
+            return Err(Error::device(what, LESS_MEMORY));
+        }
+        Ok(buffer)
+    }
+
     /// Record a copy of these bytes of each source, into this staging buffer where it is large enough.
+    ///
+    /// # Errors
+    /// [`Error::Device`] where there is no memory for a larger one.
     pub(super) fn copy_out(
         &self,
         staging: Option<wgpu::Buffer>,
         sources: &[(&wgpu::Buffer, Range<u64>)],
         encoder: &mut wgpu::CommandEncoder,
-    ) -> Copy {
+    ) -> Result<Copy> {
         let sizes: Vec<u64> = sources.iter().map(|(_, bytes)| bytes.end - bytes.start).collect();
         let total = sizes.iter().sum();
-        let staging = staging.filter(|s| s.size() >= total).unwrap_or_else(|| {
-            self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("staging"),
-                size: total,
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        });
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let staging = match staging.filter(|s| s.size() >= total) {
+            Some(staging) => staging,
+            None => self.buffer("staging", total, usage)?,
+        };
         let mut at = 0;
         for ((source, bytes), size) in sources.iter().zip(&sizes) {
             encoder.copy_buffer_to_buffer(source, bytes.start, &staging, at, *size);
             at += size;
         }
-        Copy { staging, sizes }
+        Ok(Copy { staging, sizes })
     }
 
     /// Wait for a copy that was handed over, and show `see` the number and the bytes of each source. The staging buffer is free then.
@@ -272,11 +323,14 @@ impl Context {
             sender.send(result).ok();
         });
         self.wait_until(Some(submission))?;
-        let failed = |what: String| Error::device(format!("{}: {what}", self.info.name), "try --device cpu");
+        let failed = |what: String| Error::device(format!("{}: {what}", self.info.name), OTHER_DEVICE);
         match pollster::block_on(receiver.receive()) {
             Some(Ok(())) => {}
             Some(Err(e)) => return Err(failed(format!("reading back failed: {e}"))),
             None => return Err(failed("reading back was dropped".into())),
+        }
+        if self.faults.strike(Point::Reading) {
+            self.device.destroy();
         }
         {
             let mapped =

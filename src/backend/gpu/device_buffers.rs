@@ -1,6 +1,7 @@
 //! Buffers: how the device's buffers are made, and what they are called.
 
 use super::context::Context;
+use crate::error::Result;
 use std::collections::HashMap;
 
 /// Buffers by the names that kernels use.
@@ -14,22 +15,17 @@ pub(super) const STORAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
 
 /// A storage buffer that can be written, cleared and read back.
-pub(super) fn storage(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
-    buffer(context, name, size.next_multiple_of(16).max(16), STORAGE)
+///
+/// # Errors
+/// [`crate::Error::Device`] where there is no memory for it.
+pub(super) fn storage(context: &Context, name: &'static str, size: u64) -> Result<wgpu::Buffer> {
+    context.buffer(name, size.next_multiple_of(16).max(16), STORAGE)
 }
 
 /// A uniform buffer.
-pub(super) fn uniform(context: &Context, name: &'static str, size: u64) -> wgpu::Buffer {
-    buffer(context, name, size, UNIFORM)
-}
-
-/// A buffer.
-pub(super) fn buffer(
-    context: &Context,
-    name: &'static str,
-    size: u64,
-    usage: wgpu::BufferUsages,
-) -> wgpu::Buffer {
-    let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
-    context.device.create_buffer(&descriptor)
+///
+/// # Errors
+/// [`crate::Error::Device`] where there is no memory for it.
+pub(super) fn uniform(context: &Context, name: &'static str, size: u64) -> Result<wgpu::Buffer> {
+    context.buffer(name, size, UNIFORM)
 }

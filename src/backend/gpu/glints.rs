@@ -1,8 +1,8 @@
 //! Split paths on the device: the lists of pixels that have trees, strip by strip, and the dispatches that grow them.
 
-use super::GpuBackend;
 use super::pipelines::{Glint, PassGraph};
 use super::recorder::Recorder;
+use super::{GpuBackend, unbound};
 use crate::error::Result;
 use crate::estimators::split_paths::{Light, List, Look, SplitPaths, TREES_MAX};
 use crate::packed::layout::PassInfo;
@@ -97,7 +97,7 @@ impl GpuBackend {
         let count = self.glints.lists[0].trees.len() as u32;
         self.send_glints(0, &(0..count));
         let pass = self.pass_info(0, self.strips.strip(0));
-        let Some(steps) = &self.steps else { return Ok(()) };
+        let steps = self.steps.as_ref().ok_or_else(unbound)?;
         let mut recorder = Recorder::new(&self.context, &mut self.ring, None);
         record_marks(&mut recorder, steps, count, &pass);
         recorder.submit(&self.context, &self.buffers["ring"]);

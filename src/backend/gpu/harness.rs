@@ -50,14 +50,14 @@ impl<'a> Harness<'a> {
     /// No buffers yet.
     pub fn new(context: &'a Context) -> Self {
         let mut buffers = Buffers::new();
-        buffers.insert("ring", device_buffers::uniform(context, "ring", RING_BYTES));
+        buffers.insert("ring", made(device_buffers::uniform(context, "ring", RING_BYTES)));
         Self::with_buffers(context, buffers)
     }
 
     /// Tiles are listed in their order, as many as a dispatch sees.
     fn with_buffers(context: &'a Context, mut buffers: Buffers) -> Self {
         let tiles: Vec<u32> = (0..TILES_PER_DISPATCH).collect();
-        let buffer = device_buffers::uniform(context, "tiles", u64::from(BINDING_BYTES));
+        let buffer = made(device_buffers::uniform(context, "tiles", u64::from(BINDING_BYTES)));
         context.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tiles));
         buffers.insert("tiles", buffer);
         Self { context, buffers, sizes: HashMap::new(), heap: HashMap::new(), ring: Ring::new(context) }
@@ -100,7 +100,7 @@ impl<'a> Harness<'a> {
     /// Create (or replace) a storage buffer.
     pub fn storage<T: Pod>(&mut self, name: &'static str, content: &[T]) {
         let bytes: &[u8] = bytemuck::cast_slice(content);
-        let buffer = device_buffers::storage(self.context, name, bytes.len() as u64);
+        let buffer = made(device_buffers::storage(self.context, name, bytes.len() as u64));
         self.context.queue.write_buffer(&buffer, 0, bytes);
         self.buffers.insert(name, buffer);
         self.sizes.insert(name, bytes.len());
@@ -109,7 +109,7 @@ impl<'a> Harness<'a> {
     /// Create (or replace) a uniform buffer that is bound as a whole.
     pub fn uniform<T: Pod>(&mut self, name: &'static str, content: &T) {
         let bytes = bytemuck::bytes_of(content);
-        let buffer = device_buffers::uniform(self.context, name, bytes.len() as u64);
+        let buffer = made(device_buffers::uniform(self.context, name, bytes.len() as u64));
         self.context.queue.write_buffer(&buffer, 0, bytes);
         self.buffers.insert(name, buffer);
     }
@@ -185,6 +185,14 @@ impl<'a> Harness<'a> {
         bytes.truncate(self.sizes.get(name).copied().unwrap_or(bytes.len()));
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
+}
+
+/// A buffer of a test.
+///
+/// # Panics
+/// Where there is no memory for it.
+fn made(buffer: Result<wgpu::Buffer>) -> wgpu::Buffer {
+    buffer.unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// What outputs hold before a kernel writes them.

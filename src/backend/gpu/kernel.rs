@@ -3,6 +3,7 @@
 
 use super::context::Context;
 use super::device_buffers::{self, Buffers};
+use super::faults::Point;
 use super::shaders::{self, Variant};
 use crate::error::{Error, Result};
 use crate::plan::buffers::RING_BYTES;
@@ -132,11 +133,12 @@ impl Kernel {
             label: Some(label),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
+        let found = if context.faults.strike(Point::Kernel) { "missing" } else { entry };
         let pipeline = context.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(label),
             layout: Some(&pipeline_layout),
             module: &shader,
-            entry_point: Some(entry),
+            entry_point: Some(found),
             cache: None,
             compilation_options: wgpu::PipelineCompilationOptions {
                 constants: &constants,
@@ -214,15 +216,15 @@ impl Kernel {
     /// [`Error::Device`] where the device fails.
     pub(super) fn bind_nothing(&self, context: &Context) -> Result<(BoundKernel, wgpu::Buffer)> {
         let mut buffers = Buffers::new();
-        let ring = device_buffers::uniform(context, "ring", RING_BYTES);
+        let ring = device_buffers::uniform(context, "ring", RING_BYTES)?;
         buffers.insert("ring", ring.clone());
         // names of buffers live as long as the program: each binding gets one of these
         let names: Vec<(&str, &'static str)> =
             self.bindings.iter().zip(NOTHING).map(|(b, name)| (b.name.as_str(), name)).collect();
         for (b, (_, name)) in self.bindings.iter().zip(&names) {
             let buffer = match b.uniform_size {
-                Some(size) => device_buffers::uniform(context, name, size),
-                None => device_buffers::storage(context, name, NOTHING_BYTES),
+                Some(size) => device_buffers::uniform(context, name, size)?,
+                None => device_buffers::storage(context, name, NOTHING_BYTES)?,
             };
             buffers.insert(name, buffer);
         }

@@ -4,6 +4,8 @@ mod area_samples;
 mod batches;
 mod context;
 mod device_buffers;
+#[doc(hidden)]
+pub mod faults;
 mod films;
 mod glints;
 #[doc(hidden)]
@@ -152,17 +154,19 @@ impl GpuBackend {
 
     /// (Re)create the buffers that depend on the shapes, and bind every step.
     fn bind(&mut self) -> Result<()> {
+        // what fails half-way is not gone on with
+        self.steps = None;
         let wanted = self.needs().pass_buffers();
         let context = &self.context;
         scene_buffers::check_capacity(context, &wanted)?;
         for Buffer { name, bytes, .. } in wanted {
             if self.buffers.get(name).is_none_or(|b| b.size() != bytes) {
-                self.buffers.insert(name, device_buffers::storage(context, name, bytes));
+                self.buffers.insert(name, device_buffers::storage(context, name, bytes)?);
             }
         }
         if self.shapes.diffuse.is_some() && !self.buffers.contains_key("area_points") {
             let size = buffers::area_points(0, 1).bytes;
-            self.buffers.insert("area_points", device_buffers::storage(context, "area_points", size));
+            self.buffers.insert("area_points", device_buffers::storage(context, "area_points", size)?);
         }
         context.check()?;
         let apart = self.needs().maps_apart();
@@ -253,7 +257,7 @@ impl GpuBackend {
             self.host.add(HostWork::Lists, begin.elapsed());
         }
         if self.strips.count() > 1 {
-            self.context.queue.submit([before.finish()]);
+            self.context.submit(before);
             self.submit_pass_in_strips(pass)?;
             return Ok(self.context.encoder());
         }
@@ -261,7 +265,7 @@ impl GpuBackend {
         let infos = self.map_infos(pass);
         let strip = self.strips.strip(0);
         let pass_info = self.pass_info(pass as u32, strip);
-        let Some(steps) = &self.steps else { return Ok(before) };
+        let steps = self.steps.as_ref().ok_or_else(unbound)?;
         let live = self.tiles.live(pass);
         let mut recorder = Recorder::after(before, &mut self.ring, self.timer.as_mut());
         let at = recorder.ring.push(&pass_info);
@@ -295,8 +299,9 @@ impl GpuBackend {
 }
 
 impl Backend for GpuBackend {
-    fn measure_kernels(&mut self) {
-        self.timer = Timer::new(&self.context);
+    fn measure_kernels(&mut self) -> Result<()> {
+        self.timer = Timer::new(&self.context)?;
+        Ok(())
     }
 
     fn kernel_seconds(&self) -> Vec<(String, f64, u64)> {
@@ -372,6 +377,11 @@ impl Backend for GpuBackend {
     fn reuse(&mut self, batch: Batch) {
         self.spare = Spare(batch.layers);
     }
+}
+
+/// A backend whose buffers could not be made does not go on.
+fn unbound() -> Error {
+    Error::device("the device is not set up", "use --device cpu")
 }
 
 /// Refuse what rays found whose loops the driver ended.

@@ -30,22 +30,21 @@ pub(super) struct Timed {
 
 impl Timer {
     /// A timer, where the device has timestamps.
-    pub(super) fn new(context: &Context) -> Option<Self> {
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where there is no memory for it.
+    pub(super) fn new(context: &Context) -> Result<Option<Self>> {
         if !context.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
-            return None;
+            return Ok(None);
         }
         let queries = context.device.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("timer"),
             ty: wgpu::QueryType::Timestamp,
             count: QUERIES,
         });
-        let resolved = context.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("timer"),
-            size: u64::from(QUERIES) * 8,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        Some(Self { queries, resolved, labels: Vec::new(), seconds: KernelSeconds::new() })
+        let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
+        let resolved = context.buffer("timer", u64::from(QUERIES) * 8, usage)?;
+        Ok(Some(Self { queries, resolved, labels: Vec::new(), seconds: KernelSeconds::new() }))
     }
 
     /// Whether those of another pass may not fit.
@@ -54,18 +53,21 @@ impl Timer {
     }
 
     /// Record a copy of the times of all dispatches so far; none where there are none.
+    ///
+    /// # Errors
+    /// [`crate::Error::Device`] where there is no memory for it.
     pub(super) fn copy_out(
         &mut self,
         context: &Context,
         encoder: &mut wgpu::CommandEncoder,
-    ) -> Option<Timed> {
+    ) -> Result<Option<Timed>> {
         let count = self.labels.len() as u32 * 2;
         if count == 0 {
-            return None;
+            return Ok(None);
         }
         encoder.resolve_query_set(&self.queries, 0..count, &self.resolved, 0);
-        let copy = context.copy_out(None, &[(&self.resolved, 0..u64::from(count) * 8)], encoder);
-        Some(Timed { labels: std::mem::take(&mut self.labels), copy })
+        let copy = context.copy_out(None, &[(&self.resolved, 0..u64::from(count) * 8)], encoder)?;
+        Ok(Some(Timed { labels: std::mem::take(&mut self.labels), copy }))
     }
 
     /// Wait for times that were handed over, and add them up.
@@ -95,9 +97,9 @@ impl Timer {
     /// [`crate::Error::Device`] where reading back fails.
     pub(super) fn collect(&mut self, context: &Context) -> Result<()> {
         let mut encoder = context.encoder();
-        match self.copy_out(context, &mut encoder) {
+        match self.copy_out(context, &mut encoder)? {
             Some(timed) => {
-                let submission = context.queue.submit([encoder.finish()]);
+                let submission = context.submit(encoder);
                 self.add(context, timed, submission)
             }
             None => Ok(()),
@@ -205,6 +207,6 @@ impl<'a> Recorder<'a> {
     /// Hand everything to the queue.
     pub(super) fn submit(self, context: &Context, ring_buffer: &wgpu::Buffer) {
         let encoder = self.finish(context, ring_buffer);
-        context.queue.submit([encoder.finish()]);
+        context.submit(encoder);
     }
 }

@@ -1,7 +1,7 @@
 //! The scene on the device: nodes, triangles, normals, materials, emitters and the uniforms that never change.
 
 use super::context::Context;
-use super::device_buffers::{Buffers, STORAGE, UNIFORM, buffer};
+use super::device_buffers::{Buffers, STORAGE, UNIFORM};
 use crate::error::{Error, Result};
 use crate::film::paths::LightPaths;
 use crate::packed::layout::{AreaPoint, PathFilter};
@@ -17,7 +17,7 @@ use glam::Vec3;
 /// Upload a scene.
 ///
 /// # Errors
-/// [`crate::Error::Capacity`] where it does not fit.
+/// [`Error::Capacity`] where it does not fit, [`Error::Device`] where the device fails.
 pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Result<Buffers> {
     let mut targets = [Target { center: Vec3::ZERO, radius: 0.0 }; MAX_TARGETS];
     targets[..scene.targets.len()].copy_from_slice(&scene.targets);
@@ -51,7 +51,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     let mut buffers = Buffers::new();
     for Buffer { name, bytes, .. } in wanted {
         let usage = if HEAP.contains(&name) { STORAGE } else { UNIFORM };
-        let buffer = buffer(context, name, bytes, usage);
+        let buffer = context.buffer(name, bytes, usage)?;
         if let Some((_, content)) = contents.iter().find(|(n, _)| *n == name) {
             context.queue.write_buffer(&buffer, 0, content);
         }

@@ -2,9 +2,9 @@
 //! pass are traced and sorted once, then each strip gathers from them. What the pilot found out of a strip's pixels, the trees
 //! that look for emission there, and its films wait on the host. Strips leave no trace in the image, not in a bit.
 
-use super::GpuBackend;
 use super::films::{four, put};
 use super::recorder::Recorder;
+use super::{GpuBackend, unbound};
 use crate::error::Result;
 use crate::estimators::maps::MapKind;
 use crate::film::Layer;
@@ -79,7 +79,7 @@ impl GpuBackend {
     pub(super) fn submit_pass_in_strips(&mut self, pass: u64) -> Result<()> {
         let infos = self.map_infos(pass);
         let whole = self.pass_info(pass as u32, self.strips.strip(0));
-        let Some(steps) = &self.steps else { return Ok(()) };
+        let steps = self.steps.as_ref().ok_or_else(unbound)?;
         let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
         let pass_info = recorder.ring.push(&whole);
         for (map, _) in &steps.maps {
@@ -99,7 +99,7 @@ impl GpuBackend {
             let parts = self.glints.parts(i, self.buffers.get("glints"));
             for (k, part) in parts.iter().enumerate() {
                 self.send_glints(i, part);
-                let Some(steps) = &self.steps else { return Ok(()) };
+                let steps = self.steps.as_ref().ok_or_else(unbound)?;
                 let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
                 if k == 0 {
                     recorder.clear(&self.buffers["gather_points"]);
@@ -116,7 +116,7 @@ impl GpuBackend {
                 if parts.len() > 1 {
                     self.send_glints(i, part);
                 }
-                let Some(steps) = &self.steps else { return Ok(()) };
+                let steps = self.steps.as_ref().ok_or_else(unbound)?;
                 let mut recorder = Recorder::new(&self.context, &mut self.ring, self.timer.as_mut());
                 steps.record_glints(&mut recorder, self.glints.growths(i, part, &info));
                 if k + 1 == parts.len() {
@@ -166,7 +166,7 @@ impl GpuBackend {
                 _ => encoder.clear_buffer(&self.buffers[name], 0, None),
             }
         }
-        self.context.queue.submit([encoder.finish()]);
+        self.context.submit(encoder);
     }
 
     /// Read the films of a strip back.
