@@ -6,6 +6,8 @@
 mod checkpoint;
 mod compare;
 mod devices;
+#[cfg(target_os = "linux")]
+mod faults;
 mod files;
 mod folder;
 mod images;
