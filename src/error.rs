@@ -1,5 +1,6 @@
 //! The errors of the library: each tells what, where and what to do, in one line.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 /// Result of this library.
@@ -10,7 +11,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// A scene, mesh or material file cannot be used.
-    #[error("{}{}: {what}; {remedy}", file.display(), line.map_or(String::new(), |l| format!(":{l}")))]
+    #[error("{}{}: {}; {}", escaped(&file.display().to_string()), line.map_or(String::new(), |l| format!(":{l}")), plain(what), plain(remedy))]
     Scene {
         /// The file at fault.
         file: PathBuf,
@@ -22,7 +23,7 @@ pub enum Error {
         remedy: String,
     },
     /// A file could not be read or written.
-    #[error("{}: cannot {action}: {what}", file.display())]
+    #[error("{}: cannot {action}: {}", escaped(&file.display().to_string()), plain(what))]
     Io {
         /// The file at fault.
         file: PathBuf,
@@ -32,7 +33,7 @@ pub enum Error {
         what: String,
     },
     /// The command line asks for something that cannot be.
-    #[error("{what}; {remedy}")]
+    #[error("{}; {}", plain(what), plain(remedy))]
     Usage {
         /// What is wrong.
         what: String,
@@ -40,7 +41,7 @@ pub enum Error {
         remedy: String,
     },
     /// The device is missing or failed.
-    #[error("{what}; {remedy}")]
+    #[error("{}; {}", plain(what), plain(remedy))]
     Device {
         /// What happened.
         what: String,
@@ -116,4 +117,53 @@ pub(crate) fn words(e: &std::io::Error) -> String {
         _ => return e.to_string(),
     };
     format!("{e}; {remedy}")
+}
+
+/// Characters of a text that are told, at most: a name of a thousand is not read to its end, and one of a million drowns the rest.
+const TOLD: usize = 1000;
+
+/// A text as one plain line, whatever a file put into it: what would end the line or command a terminal is spelt out, and of what is long the
+/// middle is left out.
+pub(crate) fn plain(text: &str) -> Cow<'_, str> {
+    let text = escaped(text);
+    let count = text.chars().count();
+    if count <= TOLD {
+        return text;
+    }
+    let (first, last) = (text.chars().take(TOLD / 2), text.chars().skip(count - TOLD / 2));
+    Cow::Owned(first.chain(['…']).chain(last).collect())
+}
+
+/// A text whose control characters are spelt out, as `\n` or `\u{1b}`.
+pub(crate) fn escaped(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::new();
+    for c in text.chars() {
+        if c.is_control() { plain.extend(c.escape_default()) } else { plain.push(c) }
+    }
+    Cow::Owned(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever stands in a text, an error is one line that commands no terminal, and is not endless; its file and its end are whole.
+    #[test]
+    fn errors_are_one_plain_line() {
+        let long = "ä".repeat(5000);
+        for (e, wanted) in [
+            (
+                Error::scene("a\n.obj", Some(3), "\"x\u{1b}[2J\r\ty\" is no name", "go"),
+                r#"a\n.obj:3: "x\u{1b}[2J\r\ty" is no name; go"#.to_string(),
+            ),
+            (Error::io("b\0", "read", "it\u{85}is"), r"b\u{0}: cannot read: it\u{85}is".into()),
+            (Error::usage("grün", "schön"), "grün; schön".into()),
+            (Error::device(format!("x{long}y"), "z"), format!("x{}…{}y; z", &long[..998], &long[..998])),
+        ] {
+            assert_eq!(e.to_string(), wanted);
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Warnings: what was repaired or ignored on the way in, one line for each kind.
 
+use crate::error::plain;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
@@ -97,13 +98,15 @@ impl Warnings {
 }
 
 impl Group {
+    /// One plain line, whatever the names.
     fn into_line(self) -> String {
         let several = usize::from(self.count > 1 && !self.names.is_empty());
         let [before, after] = &self.words[several];
         let text = format!("{}: {before}{}{after}", self.place, listed(&self.names, self.count));
+        let text = plain(&text);
         match self.count {
             n if n > 1 && self.names.is_empty() => format!("{text} (… and {} more)", n - 1),
-            _ => text,
+            _ => text.into_owned(),
         }
     }
 }
