@@ -128,8 +128,8 @@ thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Do what panics where a device is lost: wgpu waits for a device, and lets go of one, without a way to report that. The words of
-/// the panic, in one line, where it does.
+/// Do what panics where a device is lost: wgpu waits for a device, and lets go of one, without a way to report that. Or what panics of a
+/// damaged file, in a decoder of another's. The words of the panic, in one line, where it does.
 ///
 /// # Errors
 /// The words of the panic.

@@ -5,6 +5,7 @@
 //! viewers and compositors show as layers. Multi-part files say the same, but older readers see the first part only.
 
 use super::atomic::write_atomically;
+use crate::backend::guarded;
 use crate::error::{Error, Result};
 use crate::film::{Image, Layer, Picture};
 use crate::host::{files, memory};
@@ -138,7 +139,7 @@ fn read_from(file: impl Read + Seek, length: u64) -> Result<Image, String> {
     let mut reader = BufReader::new(Patient(file));
     check_header(&mut reader, length, memory::available())?;
     reader.rewind().map_err(|x| x.to_string())?;
-    let image = e::read()
+    let reading = e::read()
         .no_deep_data()
         .largest_resolution_level()
         .rgb_channels(
@@ -150,9 +151,10 @@ fn read_from(file: impl Read + Seek, length: u64) -> Result<Image, String> {
         )
         .first_valid_layer()
         .all_attributes()
-        .non_parallel()
-        .from_buffered(reader)
-        .map_err(|x| format!("it is cut or damaged ({x}); write it anew"))?;
+        .non_parallel();
+    // of some damage the decoder panics
+    let image = guarded(|| reading.from_buffered(reader).map_err(|x| x.to_string())).and_then(|read| read);
+    let image = image.map_err(|what| format!("it is cut or damaged ({what}); write it anew"))?;
     Ok(image.layer_data.channel_data.pixels)
 }
 
@@ -182,8 +184,9 @@ fn check_header(
     length: u64,
     memory_left: Option<u64>,
 ) -> Result<(), String> {
-    let meta = exr::meta::MetaData::read_from_buffered(reader, false)
-        .map_err(|x| format!("it is not a readable OpenEXR file ({x}); name one that is whole"))?;
+    let meta = guarded(|| exr::meta::MetaData::read_from_buffered(reader, false).map_err(|x| x.to_string()));
+    let unreadable = |what| format!("it is not a readable OpenEXR file ({what}); name one that is whole");
+    let meta = meta.and_then(|read| read).map_err(unreadable)?;
     let has_rgb = |header: &exr::meta::header::Header| {
         !header.deep
             && CHANNELS.iter().all(|c| header.channels.find_index_of_channel(&e::Text::from(*c)).is_some())
