@@ -91,6 +91,15 @@ impl SplitPaths {
         Self { size, levels, turns: turns.next_power_of_two() }
     }
 
+    /// Whether it is of an image so large, where it was stored.
+    pub(crate) fn is_sound(&self, size: [u32; 2]) -> bool {
+        let pixels = size.map(|n| n as usize).into_iter().product::<usize>();
+        self.size == size
+            && self.levels.len() == pixels
+            && self.levels.iter().all(|level| *level <= FEWEST + DOUBLINGS_MAX)
+            && self.turns.is_power_of_two()
+    }
+
     /// Whether any pixel of these columns and rows has trees.
     pub(crate) fn any(&self, [columns, rows]: &[Range<usize>; 2]) -> bool {
         let width = self.size[0] as usize;
@@ -253,6 +262,12 @@ impl Watch {
     pub(crate) fn new(size: [u32; 2]) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
         Self { batches: 0, squares: vec![0.0; pixels], passes: 0.0, more: vec![0.0; pixels] }
+    }
+
+    /// Whether it is of an image so large, where it was stored.
+    pub(crate) fn is_sound(&self, size: [u32; 2]) -> bool {
+        let pixels = size.map(|n| n as usize).into_iter().product::<usize>();
+        [self.squares.len(), self.more.len()] == [pixels; 2]
     }
 
     /// Look at the emission of `passes` passes, summed.

@@ -212,6 +212,22 @@ impl Film {
         }
     }
 
+    /// Whether it is one of an image so large, where it was stored: a part of a render or none.
+    pub(crate) fn is_sound(&self, size: [u32; 2], is_part: bool) -> bool {
+        // as many as there are numbers, and so no more than the file could hold
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let Ok(pixels) = usize::try_from(pixels) else { return false };
+        let halves = self.first_half.iter().flat_map(|half| half.sums.iter().map(|(_, sums)| sums));
+        let lengths = self.last.each_ref().map(Vec::len);
+        self.size() == size
+            && pixels > 0
+            && self.sums.iter().chain(halves).all(|sums| sums.is_sound(pixels, is_part))
+            && self.schedule.is_sound(size)
+            && (lengths == [pixels; LAYERS] || lengths == [0; LAYERS] && self.schedule.is_none())
+            && self.first.checked_add(self.passes).is_some()
+            && self.first_half.as_ref().is_none_or(|half| half.passes <= self.passes)
+    }
+
     /// From the first pass on, keep the halves of these layers apart.
     pub fn keep_halves(&mut self, layers: &[Layer]) {
         let is_exact = matches!(self.sums[0], Sums::Exact(_));

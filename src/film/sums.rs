@@ -32,6 +32,14 @@ impl Sums {
         }
     }
 
+    /// Whether there are so many pixels, of that kind.
+    pub(super) fn is_sound(&self, pixels: usize, is_exact: bool) -> bool {
+        match self {
+            Self::Rounded(sums) => !is_exact && sums.len() == pixels,
+            Self::Exact(sums) => is_exact && sums.len() == pixels,
+        }
+    }
+
     /// The sum of a pixel.
     pub(super) fn at(&self, pixel: usize) -> [f64; BANDS] {
         match self {

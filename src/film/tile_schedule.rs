@@ -56,6 +56,12 @@ impl TileSchedule {
         Self { size, exponents, pixels }
     }
 
+    /// Whether it is one of an image so large, where it was stored.
+    pub(crate) fn is_sound(&self, size: [u32; 2]) -> bool {
+        let tiles = size.map(|n| n.div_ceil(TILE) as usize).into_iter().product::<usize>();
+        self.size == size && self.exponents.len() == tiles && *self == Self::new(size, self.exponents.clone())
+    }
+
     /// Pixels of the image across and down.
     pub fn size(&self) -> [u32; 2] {
         self.size

@@ -96,7 +96,10 @@ pub fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, RenderState)> {
     let end = body.iter().position(|b| *b == b'\n').ok_or_else(damaged)?;
     let other = || fault(path, OTHER_VERSION);
     let header = serde_json::from_slice(&body[..end]).map_err(|_| other())?;
-    let state = postcard::from_bytes(&body[end + 1..]).map_err(|_| other())?;
+    let (state, rest) = postcard::take_from_bytes::<RenderState>(&body[end + 1..]).map_err(|_| other())?;
+    if !rest.is_empty() || !state.is_sound() {
+        return Err(damaged());
+    }
     Ok((header, state))
 }
 

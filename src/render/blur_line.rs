@@ -22,6 +22,12 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// Whether it is one of so many pixels, where it was stored: none before anything was blurred.
+    pub(super) fn is_sound(&self, pixels: usize) -> bool {
+        let lengths = [self.radiance.len(), self.blurred.len()];
+        lengths == [pixels; 2] || lengths == [0; 2] && self.moments == [0.0; 2]
+    }
+
     pub(super) fn add(
         &mut self,
         lattice: &Lattice,

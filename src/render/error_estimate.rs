@@ -110,6 +110,21 @@ impl ErrorEstimator {
         }
     }
 
+    /// Whether it is one of an image so large, where it was stored: of a part of a render or none.
+    pub(crate) fn is_sound(&self, size: [u32; 2], is_part: bool) -> bool {
+        if !self.film.is_sound(size, is_part) || self.lattice != Lattice::new(size, SAMPLES_MAX) {
+            return false;
+        }
+        let pixels = self.lattice.len();
+        let is_early = self.early_passes <= self.film.passes()
+            && (self.early.len() == pixels || self.early.is_empty() && self.early_passes == 0);
+        let is_smooth =
+            |smooth: &Smooth| smooth.radiance.len() == pixels && smooth.squared_error.len() == pixels;
+        is_early
+            && self.lines.iter().all(|line| line.is_sound(pixels))
+            && self.smooth.as_ref().is_none_or(is_smooth)
+    }
+
     /// Add the sums of `passes` passes from pass `first` on, all of one [`run`]. `blur` is the mean over them of the maps'
     /// radius, relative to the first pass; 0 without maps.
     pub(crate) fn add(&mut self, first: u64, passes: u64, layers: &[Vec<[f32; BANDS]>; LAYERS], blur: f64) {

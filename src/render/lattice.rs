@@ -4,7 +4,7 @@ use crate::film::tile_schedule::Run;
 use std::ops::Range;
 
 /// The pixels that tell the error: all, or a lattice of a large image.
-#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Lattice {
     /// Pixels of the image across.
     width: usize,

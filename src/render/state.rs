@@ -103,6 +103,27 @@ impl RenderState {
         }
     }
 
+    /// Whether it is one that a render can have left, where it was stored: whatever else says it is, no index leads out of it.
+    pub(crate) fn is_sound(&self) -> bool {
+        let (size, film) = (self.size, self.sums.film());
+        if !self.sums.is_sound(size, self.part.is_some()) {
+            return false;
+        }
+        let is_of_part = match self.part {
+            None => film.range().start == 0,
+            Some(part) => {
+                let first = if self.is_in_head() { 0 } else { part.first() };
+                PassRange::new(part.first(), part.end()).is_ok() && film.range().start == first
+            }
+        };
+        is_of_part
+            && self.pass == film.range().end
+            && self.pass <= PASSES_MAX
+            && self.glimpses.is_sound(size)
+            && self.glints.as_ref().is_none_or(|glints| glints.is_sound(size))
+            && self.static_tiles.as_ref().is_none_or(|tiles| tiles.is_sound(size))
+    }
+
     /// How pictures are smoothed, where no device says so: of a state that was stored.
     pub fn set_resolver(&mut self, resolver: Option<Arc<Resolver>>) {
         self.resolver = resolver;

@@ -35,6 +35,11 @@ impl StaticTiles {
         Self { seen: vec![Seen::Nothing; schedule.exponents().len()], schedule }
     }
 
+    /// Whether it is of an image so large, where it was stored.
+    pub(crate) fn is_sound(&self, size: [u32; 2]) -> bool {
+        self.schedule.is_sound(size) && self.seen.len() == self.schedule.exponents().len()
+    }
+
     /// Look at the sums of `passes` passes from `first` on; a layer without pixels is black.
     pub(crate) fn watch(&mut self, first: u64, passes: u64, layers: &[Vec<Bands>; LAYERS]) {
         let width = self.schedule.size()[0] as usize;

@@ -54,7 +54,7 @@ fn what_is_read_is_never_written_over() {
     assert!(!folder.path("c.exr").exists());
 }
 
-/// A scene, mesh, library or picture that is a directory, a device or a pipe is refused before it is opened, which a pipe would
+/// A scene, mesh, library, picture or checkpoint that is a directory, a device or a pipe is refused before it is opened, which a pipe would
 /// never return from; a file of 5 GiB before it is read.
 #[cfg(unix)]
 #[test]
