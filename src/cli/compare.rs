@@ -2,9 +2,10 @@
 
 use super::{DONE, FAULTY, say, say_json, tell};
 use clap::Args;
+use joton::film::Image;
 use joton::output::{self, compare, exr};
 use joton::{Error, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `joton compare`.
 #[derive(Debug, Args)]
@@ -30,6 +31,17 @@ pub(super) struct CompareArguments {
     json: bool,
 }
 
+/// Refuse images that differ in size, by their names.
+fn check_size(path: &Path, image: &Image, other: &Path, reference: &Image) -> Result<()> {
+    if (image.width, image.height) == (reference.width, reference.height) {
+        return Ok(());
+    }
+    let size = |i: &Image| format!("{}x{}", i.width, i.height);
+    let (path, other) = (path.display(), other.display());
+    let what = format!("{path}: has {} pixels, {other} has {}", size(image), size(reference));
+    Err(Error::usage(what, "compare images of one size"))
+}
+
 pub(super) fn run(a: &CompareArguments) -> Result<u8> {
     if a.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
         return Err(Error::usage("--tolerance must be 0 or larger", "give the largest relMSE to accept"));
@@ -40,14 +52,19 @@ pub(super) fn run(a: &CompareArguments) -> Result<u8> {
         output::check_writable(path)?;
     }
     let (image, reference) = (exr::read_image(&a.image)?, exr::read_image(&a.reference)?);
-    let c = compare::compare(&image, &reference)?;
     let twin = a.twin.as_deref().map(exr::read_image).transpose()?;
+    for (path, other) in a.twin.iter().zip(&twin).chain([(&a.image, &image)]) {
+        check_size(path, other, &a.reference, &reference)?;
+    }
+    let c = compare::compare(&image, &reference)?;
     let common = twin.map(|twin| compare::common_error(&image, &twin, &reference)).transpose()?;
     let regions = match a.regions {
         Some(n) => compare::region_ratios(&image, &reference, n)?,
         None => Vec::new(),
     };
-    let regions: Vec<_> = regions.chunks(a.regions.unwrap_or(1).max(1) as usize).collect();
+    // there are no more across than pixels
+    let across = a.regions.map_or(1, |n| n.clamp(1, image.width));
+    let regions: Vec<_> = regions.chunks(across as usize).collect();
     if a.json {
         let rows: Vec<Vec<_>> = regions.iter().map(|row| row.iter().map(|r| r.ratio).collect()).collect();
         let mut value = serde_json::json!(c);

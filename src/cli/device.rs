@@ -22,9 +22,7 @@ pub(super) struct Devices(VecDeque<Open>);
 impl Devices {
     /// What is there for a word of `--device`.
     pub(super) fn named(device: &str, reference: bool) -> Result<Self> {
-        if reference && device != "cpu" {
-            return Err(Error::usage("--reference is the path tracer on the CPU", "add --device cpu"));
-        }
+        check_reference(device, reference)?;
         let on_cpu: Open = Box::new(move |scene, plan| cpu(reference, scene, plan));
         let on_gpu = |name: Option<String>| -> Open {
             Box::new(move |scene, plan| gpu(Context::open(name.as_deref())?, scene, plan))
@@ -77,6 +75,14 @@ impl Devices {
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+}
+
+/// Refuse the path tracer on another device than the CPU.
+pub(super) fn check_reference(device: &str, reference: bool) -> Result<()> {
+    if reference && device != "cpu" {
+        return Err(Error::usage("--reference is the path tracer on the CPU", "add --device cpu"));
+    }
+    Ok(())
 }
 
 /// Open the device that `--device` names and set it up for a scene.

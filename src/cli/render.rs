@@ -395,7 +395,8 @@ pub(super) fn check_outputs<'a>(scene: &Path, files: impl Iterator<Item = &'a Pa
     Ok(())
 }
 
-fn checked_stop(a: &RenderArguments) -> Result<Stop> {
+/// When to stop, by numbers that can be meant.
+pub(super) fn checked_stop(a: &RenderArguments) -> Result<Stop> {
     if a.passes == Some(0) {
         return Err(Error::usage("--passes 0 renders nothing", "give at least 1"));
     }

@@ -2,6 +2,7 @@
 //! the parts.
 
 use super::checkpoint::absolute;
+use super::device::check_reference;
 use super::render::{self, RenderArguments};
 use super::{Arguments, Command as Subcommand, DONE, say};
 use clap::{Args, Parser};
@@ -52,11 +53,12 @@ pub(super) fn run(a: &SlurmArguments) -> Result<u8> {
     };
     for path in &outputs {
         render::kind_of(path)?;
-        output::check_writable(path)?;
     }
+    // what is wrong is told here, and not by each task, nor by the merge when all have rendered
+    render::check_outputs(&a.scene, outputs.iter())?;
     let scene = absolute(&a.scene)?;
-    // what is wrong with it is told here, and not by each task
-    joton::scene::load(&scene)?;
+    let read = joton::scene::load(&scene)?.files;
+    output::check_not_read(&outputs, &read)?;
     std::fs::create_dir_all(&folder).map_err(|e| Error::system(&folder, "create", &e))?;
     let folder = absolute(&folder)?;
     let outputs: Vec<PathBuf> = outputs.iter().map(|path| absolute(path)).collect::<Result<_>>()?;
@@ -96,6 +98,12 @@ fn checked(a: &SlurmArguments) -> Result<(Vec<PathBuf>, Option<u16>)> {
     match told.command {
         Subcommand::Render(told) if told.output.is_empty() => {
             told.settings()?;
+            render::checked_stop(&told)?;
+            check_reference(&told.device, told.reference)?;
+            if told.report.is_some() {
+                let what = "--report: all tasks would write one file";
+                return Err(Error::usage(what, "leave it out; the merge writes report.json in the folder"));
+            }
             let mut whole: RenderArguments = *told;
             (whole.pass_range, whole.output) = (None, a.output.clone());
             Ok((whole.outputs(), threads))
@@ -113,9 +121,10 @@ struct Tasks {
 
 impl Tasks {
     fn new(passes: u64, most: u64) -> Result<Self> {
+        // so few that no number below overflows
+        PassRange::new(0, passes)?;
         // no part begins elsewhere
         let each = passes.div_ceil(most).next_multiple_of(PassRange::HEAD);
-        PassRange::new(0, passes)?;
         Ok(Self { passes, each, count: passes.div_ceil(each) })
     }
 

@@ -34,6 +34,12 @@ fn compare_judges() {
         told["rel_mse"].as_f64().is_some_and(|e| e > 0.0) && told["region_ratios"][1][1][2].is_f64(),
         "{told}"
     );
+    // as many rows as there are regions down, however many are asked for
+    let json = folder.run("compare a.exr b.exr --json --regions 100");
+    let told: serde_json::Value = serde_json::from_str(&json.stdout).expect("JSON alone");
+    let rows = told["region_ratios"].as_array().expect("rows");
+    let columns: Vec<usize> = rows.iter().map(|row| row.as_array().map_or(0, Vec::len)).collect();
+    assert_eq!(columns, [32; 32]);
     let twins = folder.done("compare a.exr b.exr --twin a.exr");
     assert!(twins.stdout.contains("\nin common "), "{}", twins.stdout);
     let told: serde_json::Value =
@@ -45,8 +51,8 @@ fn compare_judges() {
         "an image that is its own twin has all of its error in common: {told}"
     );
     folder.done("render cornell.toml --size 16x16 --device cpu --passes 1 -o small.exr");
-    folder.fails("compare a.exr small.exr", &["32x32", "16x16"]);
-    folder.fails("compare a.exr b.exr --twin small.exr", &["32x32", "16x16"]);
+    folder.fails("compare a.exr small.exr", &["a.exr: has 32x32", "small.exr has 16x16"]);
+    folder.fails("compare a.exr b.exr --twin small.exr", &["small.exr: has 16x16", "b.exr has 32x32"]);
     folder.fails("compare a.exr none.exr", &["none.exr"]);
     folder.fails("compare a.exr cornell.obj", &["cornell.obj", "EXR"]);
     folder.fails("compare a.exr b.exr --tolerance nan", &["--tolerance"]);
