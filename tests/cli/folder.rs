@@ -16,6 +16,11 @@ const HUNG: Duration = Duration::from_secs(60);
 pub struct Folder(TempDir);
 
 impl Folder {
+    /// Without anything in it.
+    pub fn empty() -> Self {
+        Self(tempfile::tempdir().expect("a folder"))
+    }
+
     pub fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");

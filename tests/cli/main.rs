@@ -4,6 +4,7 @@
 //! unless JOTON_TEST_NO_GPU=1.
 
 mod checkpoint;
+mod combinations;
 mod compare;
 mod devices;
 #[cfg(target_os = "linux")]
