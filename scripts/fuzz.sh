@@ -1,7 +1,7 @@
 #!/bin/sh
 # Fuzz: gives the readers bytes that nobody thought of, one target after the other (fuzz/, docs/RELIABILITY.md).
 #   sh scripts/fuzz.sh [SECONDS [TARGET…]]     SECONDS for each target, 1200 by default
-#   sh scripts/fuzz.sh --keep                  puts the least of what was found that reaches as much into tests/corpus/
+#   sh scripts/fuzz.sh --keep                  puts the least of what was found that reaches every edge into tests/corpus/
 # Needs nightly Rust and cargo-fuzz (cargo install cargo-fuzz --locked). What is found stays in fuzz/corpus/ and is gone on with the next
 # time; an input that finds a fault is in fuzz/artifacts/TARGET/. Logs: fuzz/logs/TARGET.log; a line for each run: fuzz/logs/summary.log.
 # Status 1 where a fault was found.
@@ -40,12 +40,14 @@ trap 'exit 130' INT TERM
 if [ "${1:-}" = --keep ]; then
     for target in $all; do
         mkdir -p "$scratch/$target" "fuzz/corpus/$target"
+        # edges alone: a loop that runs more often is not worth a file
         # shellcheck disable=SC2086 # limits are words
-        "$bin/$target" $limits -merge=1 "$scratch/$target" "tests/corpus/$target" "fuzz/corpus/$target" \
-            >"fuzz/logs/$target.keep.log" 2>&1 || exit 1
-        # those that found faults stay, whatever they reach
+        "$bin/$target" $limits -set_cover_merge=1 -use_counters=0 -max_len="$(length "$target")" "$scratch/$target" \
+            "tests/corpus/$target" "fuzz/corpus/$target" >"fuzz/logs/$target.keep.log" 2>&1 || exit 1
+        # those that found faults stay, whatever they reach, and those that were written by hand
+        find "tests/corpus/$target" -type f | grep -E '/[0-9a-f]{40}$' | xargs rm -f
         cp "$scratch/$target"/* "tests/corpus/$target/"
-        say "$target: $(ls "tests/corpus/$target" | wc -l) files, $(cat "tests/corpus/$target"/* | wc -c) bytes"
+        say "$target: $(find "tests/corpus/$target" -type f | wc -l) files, $(cat "tests/corpus/$target"/* | wc -c) bytes"
     done
     exit 0
 fi
@@ -53,7 +55,9 @@ fi
 seconds=${1:-1200}
 [ $# -gt 0 ] && shift
 found=
-for target in ${*:-$all}; do
+# shellcheck disable=SC2086 # names are words
+[ $# -gt 0 ] || set -- $all
+for target in "$@"; do
     mkdir -p "fuzz/corpus/$target" "fuzz/artifacts/$target"
     dict=
     [ -e "fuzz/dict/$target.dict" ] && dict=-dict=fuzz/dict/$target.dict

@@ -4,6 +4,7 @@
 
 use super::bodies;
 use super::{EmitterKind, MaterialFlags, PackedEmitter, PackedScene, PackedTriangle};
+use crate::error::plain;
 use crate::sampling::rng;
 use crate::scene::{Scene, quoted};
 use glam::Vec3;
@@ -36,7 +37,8 @@ pub fn doubts(scene: &Scene, packed: &PackedScene) -> Vec<String> {
     lines.extend(look.lights_inside());
     lines.extend(look.glass_on_walls());
     lines.extend(bodies::doubts(scene, packed));
-    lines
+    // names of materials are in them
+    lines.iter().map(|line| plain(line).into_owned()).collect()
 }
 
 /// About `count` of the items, evenly spread.

@@ -13,6 +13,8 @@ use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{PassRange, Reason, RenderState, Stop};
 use joton::scene::{self, Scene};
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
@@ -42,12 +44,20 @@ fn room() -> &'static Path {
     ROOM.get_or_init(|| tempfile::tempdir().expect("a folder")).path()
 }
 
-/// A file of this thread in the room.
+/// A file of this thread in the room, which is written where it is not there already.
 fn put(name: &str, bytes: &[u8]) -> PathBuf {
+    thread_local! {
+        static THERE: RefCell<HashMap<String, Vec<u8>>> = RefCell::default();
+    }
     let folder = room().join(format!("{:?}", std::thread::current().id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
     let path = folder.join(name);
-    std::fs::write(&path, bytes).expect("a file");
+    THERE.with_borrow_mut(|there| {
+        if there.get(name).is_none_or(|before| before != bytes) {
+            std::fs::create_dir_all(&folder).expect("a folder");
+            std::fs::write(&path, bytes).expect("a file");
+            there.insert(name.into(), bytes.into());
+        }
+    });
     path
 }
 
@@ -107,7 +117,10 @@ const TRIANGLES_MAX: usize = 300;
 /// Between the mesh and the scene file of [`pack`].
 const CUT: &[u8] = b"%%\n";
 
-/// A mesh and a scene file that are read, packed and looked through as `joton check` does, and planned as `joton plan` does.
+/// Triangles of a scene that is rendered.
+const RENDERED_MAX: usize = 40;
+
+/// A mesh and a scene file that are read, packed and looked through as `joton check` does; if small, planned, and rendered for a pass.
 pub fn pack(bytes: &[u8]) -> bool {
     let cut = bytes.windows(CUT.len()).position(|window| window == CUT);
     let (mesh, file) = cut.map_or((bytes, None), |at| (&bytes[..at], Some(&bytes[at + CUT.len()..])));
@@ -128,6 +141,15 @@ pub fn pack(bytes: &[u8]) -> bool {
     assert_eq!(packed.emitters.last().map(|e| e.cumulative), Some(1.0));
     assert!(packed.total_flux.iter().all(|flux| flux.is_finite()), "{:?}", packed.total_flux);
     joton::packed::doubts(&scene, &packed).iter().for_each(|told| is_line(told));
+    if scene.mesh.triangles.len() <= RENDERED_MAX {
+        let packed = Arc::new(packed);
+        let plan = Plan::new(&packed, Settings::default());
+        let mut backend = CpuBackend::new(Arc::clone(&packed), plan);
+        let stop = Stop { passes: Some(1), ..Stop::default() };
+        let rendered = joton::render::render(&mut backend, packed.size, stop, |_| true).expect("it renders");
+        let whole = &rendered.picture.whole;
+        assert!(whole.pixels.iter().flatten().all(|x| x.is_finite()), "{:?}", whole.pixels);
+    }
     true
 }
 
@@ -282,7 +304,7 @@ fn checkpoints() -> &'static [Vec<u8>] {
                 let stop = Stop { passes: Some(passes), ..Stop::default() };
                 state.go_on(&mut backend, stop, |_| true).expect("it renders");
             }
-            let path = put("whole.joton", b"");
+            let path = put("whole.joton", b"").with_file_name("real.joton");
             checkpoint::write(&path, &"header", &state).expect("written");
             std::fs::read(path).expect("read")
         });
@@ -334,10 +356,11 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
     };
     assert_eq!(header.expect("the header of what opens"), told);
     // what is written of it is the same again
+    let copy = path.with_file_name("copy.joton");
     let again = |state: &RenderState| {
-        checkpoint::write(&path, &told, state).expect("written");
-        let bytes = std::fs::read(&path).expect("read");
-        (bytes, checkpoint::read::<serde_json::Value>(&path).expect("what was written").1)
+        checkpoint::write(&copy, &told, state).expect("written");
+        let bytes = std::fs::read(&copy).expect("read");
+        (bytes, checkpoint::read::<serde_json::Value>(&copy).expect("what was written").1)
     };
     let (first, state) = again(&state);
     let (second, mut state) = again(&state);
