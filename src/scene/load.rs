@@ -2,7 +2,7 @@
 
 use super::assembly::Assembly;
 use super::obj::{self, ObjFile};
-use super::scene_file::{self, DEFAULT_SIZE, MeshEntry};
+use super::scene_file::{self, DEFAULT_SIZE, MeshEntry, ShapeEntry};
 use super::transform::Transform;
 use super::warnings::Warnings;
 use super::{Camera, Light, Scene, frame, validate};
@@ -69,6 +69,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     for entry in &description.shapes {
         let material = assembly.made_of(&entry.material, path, entry.line, &mut warnings)?;
         let material = material.unwrap_or_else(|| assembly.push_grey(None, path, entry.line));
+        check_memory(entry, path)?;
         let mut mesh = entry.shape.mesh();
         mesh.positions.iter_mut().for_each(|p| *p += entry.center);
         assembly.add(entry.transform.mesh(mesh), material, path)?;
@@ -110,6 +111,18 @@ fn load_obj(path: &Path) -> Result<Scene> {
         lights.push(headlight(&camera));
     }
     Ok(Scene { camera, size, mesh, materials, lights, warnings: warnings.into_lines(), files })
+}
+
+/// Bytes of memory that a triangle of a shape takes while it is made, at least: its own, and its share of corners and normals, twice.
+const MEMORY_PER_TRIANGLE: u64 = 128;
+
+/// Refuse a shape that does not fit the memory that is left, before any of it is taken.
+fn check_memory(entry: &ShapeEntry, path: &Path) -> Result<()> {
+    let triangles = entry.shape.triangles();
+    files::check_memory(path, triangles * MEMORY_PER_TRIANGLE).map_err(|_| {
+        let what = format!("the shape has {triangles} triangles, which do not fit the memory that is left");
+        Error::scene(path, Some(entry.line), what, "give a larger tolerance, or free some")
+    })
 }
 
 /// A light at the eye that shows a white surface at the target, seen face on, with radiance 1.

@@ -98,6 +98,7 @@ impl ObjFile {
         let path = &self.path;
         let mut builder = Builder { path, mesh: Mesh::default(), normal_of: FxHashMap::default(), warnings };
         let Some(parsed) = &self.parsed else { return Ok(builder.mesh) };
+        files::check_memory(path, self.clean.faces.len() as u64 * size_of::<Triangle>() as u64)?;
         let placed = |&p: &[f64; 3]| transform.position(DVec3::from(p));
         builder.mesh.positions = parsed.positions.as_chunks::<3>().0.iter().map(placed).collect();
         if builder.mesh.positions.iter().any(|p| p.abs().max_element() > MAX_COORDINATE) {

@@ -107,6 +107,19 @@ impl Shape {
         Ok((shape, table.optional_vector("center")?.unwrap_or(DVec3::ZERO)))
     }
 
+    /// How many triangles it has.
+    pub(crate) fn triangles(&self) -> u64 {
+        match *self {
+            Self::Sphere { tolerance, .. } => FACES << (2 * levels(tolerance)),
+            Self::Cube { .. } => 12,
+            Self::Rectangle { .. } => 2,
+            Self::Disc { tolerance, .. } => corners(tolerance).into(),
+            Self::Cylinder { is_capped, tolerance, .. } => {
+                u64::from(corners(tolerance)) * if is_capped { 4 } else { 2 }
+            }
+        }
+    }
+
     /// Its triangles, of material 0, about the origin. Fronts look out; a rectangle's and a disc's where it faces.
     pub(crate) fn mesh(&self) -> Mesh {
         match *self {
@@ -233,6 +246,24 @@ fn cylinder(radius: f64, half: DVec3, is_capped: bool, corners: u32) -> Mesh {
     mesh
 }
 
+/// Triangles of an icosahedron.
+const FACES: u64 = 20;
+
+/// How often they are cut in four until they are near enough to the unit sphere. The one in the middle is the largest each time.
+fn levels(tolerance: f64) -> u32 {
+    // its corners, of equal distances from each other, lie on a circle; an icosahedron's has this radius
+    let golden = (1.0 + 5f64.sqrt()) / 2.0;
+    let mut radius = 2.0 / (1.0 + golden * golden).sqrt() / 3f64.sqrt();
+    let mut levels = 0;
+    while 1.0 - (1.0 - radius * radius).sqrt() > tolerance {
+        // the middles of the sides lie on one of half the radius, and then come onto the sphere
+        let middle = [radius / 2.0, (1.0 - radius * radius).sqrt()];
+        radius = middle[0] / middle[0].hypot(middle[1]);
+        levels += 1;
+    }
+    levels
+}
+
 /// An icosahedron whose triangles are cut in four until they are near enough to the sphere.
 fn sphere(radius: f64, tolerance: f64) -> Mesh {
     let golden = (1.0 + 5f64.sqrt()) / 2.0;
@@ -255,7 +286,7 @@ fn sphere(radius: f64, tolerance: f64) -> Mesh {
             }
         }
     }
-    while farthest(&points, &faces) > tolerance {
+    for _ in 0..levels(tolerance) {
         let mut middles: HashMap<[u32; 2], u32> = HashMap::new();
         let mut finer = Vec::with_capacity(4 * faces.len());
         for [a, b, c] in faces {
@@ -281,6 +312,7 @@ fn sphere(radius: f64, tolerance: f64) -> Mesh {
 }
 
 /// How far the triangles come from the unit sphere.
+#[cfg(test)]
 fn farthest(points: &[DVec3], faces: &[[u32; 3]]) -> f64 {
     let depth = |face: &[u32; 3]| {
         let [a, b, c] = face.map(|v| points[v as usize]);
@@ -345,8 +377,13 @@ mod tests {
             assert!(1.0 - (PI / f64::from(circle)).cos() <= tolerance, "{circle} corners");
         }
         assert_eq!(sphere(1.0, TOLERANCE).triangles.len(), 20 << 10);
+        for tolerance in [0.1, 0.01, TOLERANCE, 2e-5] {
+            let shape = Shape::Sphere { radius: 2.0, tolerance };
+            assert_eq!(shape.triangles(), shape.mesh().triangles.len() as u64, "{tolerance}");
+        }
         for shape in all() {
             let mesh = shape.mesh();
+            assert_eq!(shape.triangles(), mesh.triangles.len() as u64, "{shape:?}");
             for t in &mesh.triangles {
                 let [a, b, c] = t.vertex.map(|v| mesh.positions[v as usize]);
                 let front = (b - a).cross(c - a).normalize().as_vec3();

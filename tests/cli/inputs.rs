@@ -111,22 +111,30 @@ fn a_library_that_is_a_pipe_is_not_waited_for() {
     assert!(ended.stdout.contains("cornell.mtl"), "{}{}", ended.stdout, ended.stderr);
 }
 
-/// What does not fit the memory that the process may have is refused in one line: an image, a mesh, a picture.
+/// What does not fit the memory that the process may have is refused in one line: an image, a mesh, a shape.
 #[cfg(target_os = "linux")]
 #[test]
 fn too_little_memory_is_one_line() {
     let folder = Folder::new();
     let huge = fs::File::create(folder.path("huge.obj")).expect("a file");
     huge.set_len(1 << 30).expect("a file with a hole");
-    for (words, parts) in [
-        ("render cornell.toml --size 6000x6000 --device cpu -o c.png", &["the film needs", "--size"][..]),
-        ("plan huge.obj", &["huge.obj", "bytes of memory"]),
+    // 70 bytes that stand for five million triangles
+    let sphere = "[[shape]]\nkind = \"sphere\"\ntolerance = 4e-6\n";
+    fs::write(folder.path("fine.toml"), sphere).expect("a scene");
+    for (kib, words, parts) in [
+        (
+            2_000_000,
+            "render cornell.toml --size 6000x6000 --device cpu -o c.png",
+            &["the film needs", "--size"][..],
+        ),
+        (2_000_000, "plan huge.obj", &["huge.obj", "bytes of memory"]),
+        (500_000, "check fine.toml --threads 1", &["fine.toml:1", "5242880 triangles", "tolerance"]),
     ] {
         let mut shell = folder.command("");
         let (program, path) = (shell.get_program().to_owned(), folder.path(""));
         shell = std::process::Command::new("sh");
         let program = program.to_string_lossy().into_owned();
-        shell.args(["-c", &format!("ulimit -v 2000000; exec {program} {words}")]).current_dir(path);
+        shell.args(["-c", &format!("ulimit -v {kib}; exec {program} {words}")]).current_dir(path);
         crate::folder::Ended::of(shell.output().expect("a shell")).is_refusal(words, parts);
     }
 }
