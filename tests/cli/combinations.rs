@@ -87,7 +87,7 @@ const GRAMMARS: &[Grammar] = &[
         command: "render",
         parts: &[
             &["tiny.toml", "tiny.toml", "tiny.toml", "tiny.obj", "none.toml", "a.exr", "tiny.mtl"],
-            &["--device cpu", "--device cpu", "--device cpu", "--device nonesuch", "--device="],
+            &["--device cpu", "--device cpu", "--device cpu", "--device nonesuch"],
             &[
                 "--passes 1",
                 "--passes 2",
