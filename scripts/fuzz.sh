@@ -1,7 +1,7 @@
 #!/bin/sh
 # Fuzz: gives the readers bytes that nobody thought of, one target after the other (fuzz/, docs/RELIABILITY.md).
 #   sh scripts/fuzz.sh [SECONDS [TARGET…]]     SECONDS for each target, 1200 by default
-#   sh scripts/fuzz.sh --keep                  puts the least of what was found that reaches every edge into tests/corpus/
+#   sh scripts/fuzz.sh --keep                  puts a part of what was found, that reaches most, into tests/corpus/
 # Needs nightly Rust and cargo-fuzz (cargo install cargo-fuzz --locked). What is found stays in fuzz/corpus/ and is gone on with the next
 # time; an input that finds a fault is in fuzz/artifacts/TARGET/. Logs: fuzz/logs/TARGET.log; a line for each run: fuzz/logs/summary.log.
 # Status 1 where a fault was found.
@@ -20,6 +20,14 @@ length() {
     obj | pack) echo 2048 ;;
     *) echo 4096 ;;
     esac
+}
+
+# of the files of a folder at most so many, of every length alike
+most=64
+spread() {
+    find "$1" -type f -printf '%s %p\n' | sort -n | cut -d ' ' -f 2 >"$scratch/files"
+    awk -v all="$(wc -l <"$scratch/files")" -v most="$most" \
+        'all <= most || int(NR * most / all) > int((NR - 1) * most / all)' "$scratch/files"
 }
 
 cargo +nightly fuzz --version >/dev/null 2>&1 || {
@@ -46,7 +54,7 @@ if [ "${1:-}" = --keep ]; then
             "tests/corpus/$target" "fuzz/corpus/$target" >"fuzz/logs/$target.keep.log" 2>&1 || exit 1
         # those that found faults stay, whatever they reach, and those that were written by hand
         find "tests/corpus/$target" -type f | grep -E '/[0-9a-f]{40}$' | xargs rm -f
-        cp "$scratch/$target"/* "tests/corpus/$target/"
+        spread "$scratch/$target" | xargs -I '{}' cp '{}' "tests/corpus/$target/"
         say "$target: $(find "tests/corpus/$target" -type f | wc -l) files, $(cat "tests/corpus/$target"/* | wc -c) bytes"
     done
     exit 0
