@@ -93,7 +93,7 @@ fn measure(
         done.cpu_seconds / PASSES as f64,
         rate(done.tally.rays),
         rate(done.tally.jotons_emitted),
-        joton::peak_memory().unwrap_or(0)
+        joton::host::memory::peak().unwrap_or(0)
     );
     Ok(())
 }

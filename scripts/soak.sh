@@ -13,7 +13,7 @@ mkdir -p "$folder"
 notes=$folder/$device.csv progress=$folder/$device.progress
 hertz=$(getconf CLK_TCK)
 
-"$joton" render "$scene" --device "$device" --size 64x64 --time "$seconds" --progress json \
+"$joton" render "$scene" --device "$device" --size 64x64 --time "$seconds" --error 1e-6 --progress json \
     -o "$folder/$device.exr" 2>"$progress" &
 job=$!
 trap 'kill "$job" 2>/dev/null || :' EXIT
@@ -25,9 +25,9 @@ while sleep 10 && kill -0 "$job" 2>/dev/null; do
     [ -n "$last" ] || continue
     kib=$(sed -n 's/VmRSS:[^0-9]*\([0-9]*\).*/\1/p' "/proc/$job/status" 2>/dev/null) || continue
     threads=$(sed -n 's/Threads:[^0-9]*\([0-9]*\).*/\1/p' "/proc/$job/status" 2>/dev/null) || continue
-    files=$(ls "/proc/$job/fd" 2>/dev/null | wc -l)
+    files=$(find "/proc/$job/fd" -type l 2>/dev/null | wc -l)
     cpu=$(awk -v hz="$hertz" '{ sub(/.*\) /, ""); print ($12 + $13) / hz }' "/proc/$job/stat" 2>/dev/null) || continue
-    [ -n "$kib" ] && [ -n "$threads" ] && [ -n "$cpu" ] || continue
+    case ",$kib,$threads,$cpu," in *,,*) continue ;; esac
     echo "$(($(date +%s) - begin)),$kib,$files,$threads,$(echo "$last" | field passes),$cpu,$(echo "$last" | field error_estimate)" >>"$notes"
 done
 wait "$job"

@@ -46,7 +46,8 @@ mod error;
 #[doc(hidden)]
 pub mod estimators;
 pub mod film;
-mod host;
+#[doc(hidden)]
+pub mod host;
 #[doc(hidden)]
 pub mod optics;
 pub mod output;
@@ -61,4 +62,3 @@ pub mod scene;
 pub mod spectrum;
 
 pub use error::{Error, Result};
-pub use host::memory::{peak as peak_memory, set_limit as set_memory_limit};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// `spectrum` and `error` are free for all.
 const ARROWS: [(&str, &[&str]); 17] = [
     ("main", &["cli", "system"]),
-    ("cli", &["bench", "output", "render", "backend", "plan", "packed", "scene", "film", "system"]),
+    ("cli", &["bench", "output", "render", "backend", "plan", "packed", "scene", "film", "host", "system"]),
     ("system", &[]),
     ("bench", &["output", "render", "backend", "film"]),
     ("output", &["render", "backend", "plan", "estimators", "packed", "scene", "film", "host"]),

@@ -18,7 +18,7 @@ pub(super) fn parse(text: &str) -> Result<u64, String> {
 /// Keep this process to a limit, if there is one, from the first file that it reads.
 pub(super) fn bound(limit: Option<u64>) {
     if let Some(bytes) = limit {
-        joton::set_memory_limit(bytes);
+        joton::host::memory::set_limit(bytes);
     }
 }
 

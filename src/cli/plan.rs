@@ -1,6 +1,7 @@
 //! `joton plan SCENE`: what the scene needs, what is skipped and why.
 
 use super::memory::{self, mebibytes};
+use super::render::Switch;
 use super::{DONE, pack, say, say_json};
 use clap::Args;
 use joton::Result;
@@ -31,6 +32,9 @@ pub(super) struct PlanArguments {
     /// Memory of the whole process, device included, at most, e.g. 512M.
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
+    /// Share light on surfaces with neighbouring pixels when the picture is made.
+    #[arg(long, default_value = "on")]
+    resolve: Switch,
     /// What a pass would take on a GPU, by a model: rtx-4070, h200, or bytes and rays a second, like 0.5T,1.5G.
     #[arg(long, value_name = "GPU")]
     model: Option<String>,
@@ -47,7 +51,8 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         scene.resize(size);
     }
     let keep = super::render::kept(&a.no_skip)?;
-    let mut settings = Settings { keep, memory: a.memory, ..Settings::default() };
+    let mut settings =
+        Settings { keep, memory: a.memory, resolve: a.resolve == Switch::On, ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::film::paths::LightPaths::parse(paths)?;
     }
@@ -55,7 +60,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
     let mut wanted = Plan::new(&packed, settings);
     wanted.bound_process(&packed, Place::Device)?;
-    let setup_bytes = joton::peak_memory();
+    let setup_bytes = joton::host::memory::peak();
     let expected = Expected::look(&packed, wanted)?;
     let (plan, needs) = (&expected.plan, expected.needs(&packed));
     let (kernels, buffers, strips) = (needs.kernels(&expected.traffic), needs.buffers(), needs.strips);

@@ -96,7 +96,7 @@ pub(super) struct RenderArguments {
 
 /// On or off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-enum Switch {
+pub(super) enum Switch {
     On,
     Off,
 }

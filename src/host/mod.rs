@@ -1,4 +1,4 @@
 //! Host: the machine that joton runs on, its files and its memory.
 
 pub(crate) mod files;
-pub(crate) mod memory;
+pub mod memory;

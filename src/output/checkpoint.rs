@@ -1,7 +1,7 @@
 //! Checkpoint: all that a render needs to go on, in a file.
 //!
 //! ```text
-//! joton checkpoint 2\n       what it is, and the version of this layout
+//! joton checkpoint 3\n       what it is, and the version of this layout
 //! { … }\n                    a header of the program's, JSON in one line
 //! …                          a RenderState, by postcard
 //! 8 bytes                    FNV-1a of everything before, little endian
@@ -20,7 +20,7 @@ use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
 /// First line.
-const MAGIC: &str = "joton checkpoint 2\n";
+const MAGIC: &str = "joton checkpoint 3\n";
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
 /// Bytes of the first two lines, at most: what is no checkpoint may have no lines.

@@ -276,7 +276,7 @@ pub fn paths(bytes: &[u8]) -> bool {
 }
 
 /// First line of a checkpoint.
-const MAGIC: &[u8] = b"joton checkpoint 2\n";
+const MAGIC: &[u8] = b"joton checkpoint 3\n";
 /// Image of the checkpoints that are changed.
 const SIZE: [u32; 2] = [5, 3];
 /// Bytes of a change: where, and what is there then.
