@@ -94,19 +94,18 @@ pub(super) fn open(device: &str, reference: bool, scene: &Arc<PackedScene>, plan
 fn gpu(context: Context, scene: &Arc<PackedScene>, wanted: &Plan) -> Result<Opened> {
     #[cfg(debug_assertions)]
     ask_for_fault(&context);
-    let mut wanted = wanted.clone();
-    wanted.bound_process(scene, Place::Device)?;
+    let mut own = wanted.clone();
+    own.bound_process(scene, Place::Device)?;
     let unusable = |words: String| Error::device(words, "use --device cpu");
-    let backend =
-        guarded(|| GpuBackend::new(context, Arc::clone(scene), wanted.clone())).map_err(unusable)??;
+    let backend = guarded(|| GpuBackend::new(context, Arc::clone(scene), own)).map_err(unusable)??;
     let (strips, plan) = (backend.needs().strips.count(), backend.needs().plan.clone());
     let mut line = backend.describe();
     if strips > 1 {
         line += &format!(", {strips} strips of the image after each other");
     }
     let jotons = |p: &Plan| p.caustic_jotons + p.diffuse_jotons;
-    if jotons(&plan) < jotons(&wanted) {
-        line += &format!(", {} jotons a pass instead of {}", jotons(&plan), jotons(&wanted));
+    if jotons(&plan) < jotons(wanted) {
+        line += &format!(", {} jotons a pass instead of {}", jotons(&plan), jotons(wanted));
     }
     Ok((Box::new(backend), line, plan))
 }

@@ -67,9 +67,9 @@ impl FilmNeeds {
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2], is_part: bool) -> Result<()> {
-    let least = |size| FilmNeeds { size, layers: LAYERS, resolved: 0, has_trees: false, is_part }.bytes();
+    let need = FilmNeeds { size, layers: LAYERS, resolved: 0, has_trees: false, is_part }.bytes();
     let most = PIXELS_MAX * (PIXEL_BYTES + TREE_BYTES + (LAYER_BYTES + EXACT_BYTES) * LAYERS as u64);
-    let (need, limit) = (least(size), crate::host::memory::available().unwrap_or(u64::MAX).min(most));
+    let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
     if need > limit {
         let remedy = "render a smaller image (--size)".to_string();
         return Err(Error::Capacity { buffer: "the film", need, limit, remedy });

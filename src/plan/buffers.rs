@@ -162,23 +162,15 @@ impl<'a> BufferPlan<'a> {
             return Err(Error::Capacity { buffer: b.name, need: b.bytes, limit, remedy });
         }
         let Some(limit) = self.plan.settings.memory else { return Ok(()) };
-        let need = |limit: u64| {
-            let buffers = limit.saturating_sub(self.plan.beside);
-            self.most_bytes(Some(buffers)).saturating_add(self.plan.beside)
-        };
+        let beside = self.plan.beside;
+        let need =
+            |limit: u64| most_bytes(&buffers, Some(limit.saturating_sub(beside))).saturating_add(beside);
         if need(limit) <= limit {
             return Ok(());
         }
         // area points take a part of what there is: of more there are more, but the sum converges
         let enough = std::iter::successors(Some(need(0)), |n| (need(*n) > *n).then(|| need(*n)));
         Err(self.plan.too_large(enough.last().unwrap_or(limit), limit))
-    }
-
-    /// Bytes of all buffers with a limit on them, at most: later passes have more area points.
-    fn most_bytes(&self, limit: Option<u64>) -> u64 {
-        let most = area_points_most(limit);
-        let area = |b: &Buffer| if b.name == "area_points" { area_points(most, most).bytes } else { b.bytes };
-        self.buffers().iter().map(area).sum()
     }
 
     /// Bytes on the device of a pixel that its buffers hold.
@@ -198,7 +190,7 @@ impl<'a> BufferPlan<'a> {
     /// # Errors
     /// [`Error::Memory`] with need, what is free, and what to do.
     pub fn check_free(&self, free: Option<u64>) -> Result<()> {
-        let need = self.most_bytes(self.plan.buffer_limit()).saturating_add(self.host_bytes());
+        let need = most_bytes(&self.buffers(), self.plan.buffer_limit()).saturating_add(self.host_bytes());
         match free {
             Some(free) if need > free => Err(Error::Memory { need, free }),
             _ => Ok(()),
@@ -475,6 +467,13 @@ fn pixel_buffers(plan: &Plan, pixels: u64) -> Vec<Buffer> {
 pub fn area_points_wanted(scene: &PackedScene, radius: f64, most: usize) -> usize {
     let discs = scene.diffuse_area / (std::f64::consts::PI * radius * radius);
     ((POINTS_PER_DISC * discs) as usize).clamp(1, most)
+}
+
+/// Bytes of all of these buffers with a limit on them, at most: later passes have more area points.
+fn most_bytes(buffers: &[Buffer], limit: Option<u64>) -> u64 {
+    let most = area_points_most(limit);
+    let area = |b: &Buffer| if b.name == "area_points" { area_points(most, most).bytes } else { b.bytes };
+    buffers.iter().map(area).sum()
 }
 
 /// Most area points of a render that may take so much memory.

@@ -13,12 +13,12 @@ const SPREAD_MIN: f64 = 1e-3;
 /// Sums over the passes of one half for the line through the radiance of the maps against their blur.
 #[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct Line {
-    pub(super) passes: f64,
+    passes: f64,
     /// Sums of the radiance of the maps, and of it times the blur.
     pub(super) radiance: Vec<[f64; BANDS]>,
-    pub(super) blurred: Vec<[f64; BANDS]>,
+    blurred: Vec<[f64; BANDS]>,
     /// Sums over the passes of the blur and of its square.
-    pub(super) moments: [f64; 2],
+    moments: [f64; 2],
 }
 
 impl Line {

@@ -1,6 +1,6 @@
 //! Devices: which there are, which is taken, and that they agree.
 
-use crate::folder::Folder;
+use crate::folder::{Folder, without_gpu};
 use joton::output::compare::compare;
 
 /// The device is chosen by name; a name that no device has is refused with those that there are.
@@ -33,7 +33,7 @@ fn auto_falls_back_to_the_cpu() {
 /// The GPU's picture is the CPU's: means within 5 %, which noise of 16 passes at this size does not exceed.
 #[test]
 fn gpu_renders_what_the_cpu_renders() {
-    if std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1") {
+    if without_gpu() {
         return;
     }
     let folder = Folder::new();

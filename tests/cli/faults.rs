@@ -1,5 +1,7 @@
 //! Faults from outside while the program runs: files that may not grow, devices that are lost or have no memory.
 
+#[cfg(debug_assertions)]
+use crate::folder::without_gpu;
 use crate::folder::{Ended, Folder, QUICK, bits, names};
 use std::fs;
 use std::process::Command;
@@ -140,7 +142,7 @@ fn faulty(folder: &Folder, fault: &str, words: &str) -> Ended {
 #[cfg(debug_assertions)]
 #[test]
 fn a_lost_device_leaves_all_it_finished() {
-    if std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1") {
+    if without_gpu() {
         return;
     }
     let folder = Folder::new();
@@ -172,7 +174,7 @@ fn a_lost_device_leaves_all_it_finished() {
 #[cfg(debug_assertions)]
 #[test]
 fn another_device_goes_on() {
-    if std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1") {
+    if without_gpu() {
         return;
     }
     let folder = Folder::new();

@@ -145,8 +145,12 @@ impl Ended {
 
 /// The devices that are tested.
 pub fn devices() -> Vec<&'static str> {
-    let without_gpu = std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1");
-    if without_gpu { vec!["cpu"] } else { vec!["cpu", "gpu"] }
+    if without_gpu() { vec!["cpu"] } else { vec!["cpu", "gpu"] }
+}
+
+/// Whether tests of GPUs are left out, as was asked.
+pub fn without_gpu() -> bool {
+    std::env::var("JOTON_TEST_NO_GPU").is_ok_and(|v| v == "1")
 }
 
 /// Bits of a picture.
