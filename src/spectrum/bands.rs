@@ -64,6 +64,7 @@ pub fn wgsl() -> String {
     let largest = names[1..].iter().fold(names[0].to_string(), |so_far, b| format!("max({so_far}, {b})"));
     format!(
         "alias Bands = vec{BANDS}<f32>;\n\
+         const BANDS: u32 = {BANDS}u;\n\
          fn max_band(b: Bands) -> f32 {{ return {largest}; }}\n\
          fn four_of_bands(b: Bands) -> vec4<f32> {{ return vec4(b{zeros}); }}\n\
          fn bands_of_four(v: vec4<f32>) -> Bands {{ return v.{all}; }}\n"
