@@ -68,7 +68,7 @@ fn the_next_device_goes_on_where_one_was_lost() {
         let batch = device.render(pass, 1).unwrap_or_else(|e| panic!("{e}"));
         film.add(1, &batch.layers);
     }
-    let shared = cpu.resolver().expect("eye paths are resolved").resolve(&film);
+    let shared = cpu.resolver().expect("eye paths are resolved").resolve(&film, 1);
     let bare = film.picture().layers;
     let is_near = |what: &str, wanted: &[Bands], found: &[Bands]| {
         for (pixel, (wanted, found)) in wanted.iter().zip(found).enumerate() {

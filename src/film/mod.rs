@@ -13,20 +13,32 @@ use rayon::prelude::*;
 use std::ops::Range;
 use sums::Sums;
 
-/// Bytes of a pixel of a layer: its sum, the last sample where it rests, and a batch of it, whose place the picture takes.
-const LAYER_BYTES: u64 = 24 + 12 + 12;
-/// Bytes of a pixel of the whole picture.
-const PIXEL_BYTES: u64 = 12;
-/// Bytes of a pixel of who has trees (level, what they saw, a list), and of what more surfaces it shows through glass and in
-/// mirrors.
-const TREE_BYTES: u64 = 17 + 31;
-/// Bytes of a pixel that is looked at to tell the error.
-const SAMPLE_BYTES: u64 = 120;
-/// Bytes of a pixel that is resolved: what its errors weigh, what it shows, blocks of all sizes, what neighbours tell, and what threads
-/// have not given back.
-const RESOLVE_BYTES: u64 = 16 + 60 + 60 + 62 + 16;
-/// Bytes of a layer of it: its first half, both means, what blocks found, what came of it, and what it was.
-const RESOLVE_LAYER_BYTES: u64 = 24 + 24 + 43 + 20 + 12;
+/// Bytes of a pixel of a layer: its sum.
+const LAYER_BYTES: u64 = 24;
+/// Bytes of it while passes are rendered: a batch. What sharing holds takes its place, and then the picture.
+const BATCH_BYTES: u64 = 12;
+/// Bytes of a pixel of the last samples: what rests is black but in one layer.
+const REST_BYTES: u64 = 12;
+/// Bytes of a pixel of who has trees (level, what they saw, a list).
+const TREE_BYTES: u64 = 17;
+/// Bytes of a pixel that is looked at to tell the error: sums of passes, and what sharing says.
+const SAMPLE_BYTES: u64 = 24 + 20;
+/// Bytes more of it where maps blur: two lines.
+const LINE_BYTES: u64 = 2 * 48;
+/// Bytes of a pixel of a layer that is resolved: its first half, and what came of it.
+const RESOLVED_BYTES: u64 = 24 + 12;
+/// Rows that a sweep over the image holds.
+const SWEPT_ROWS: u64 = 416;
+/// Bytes of a pixel of these: what it shows, blocks of all sizes, and what neighbours tell.
+const SWEPT_BYTES: u64 = 66 + 30 + 12;
+/// Bytes of a layer of it, as pixels and blocks have it.
+const SWEPT_LAYER_BYTES: u64 = 32 + 14;
+/// Bytes of a pixel of the rows that are at their end, and of a layer of it.
+const ENDED_BYTES: [u64; 2] = [88, 52];
+/// Rows of these.
+const ENDED_ROWS: u64 = 40;
+/// Surfaces that pixels show, where there is glass and where there is none.
+const SURFACES: [f64; 2] = [1.6, 1.05];
 /// Bytes more of each sum that is exact.
 const EXACT_BYTES: u64 = 24;
 /// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
@@ -45,6 +57,8 @@ pub struct FilmNeeds {
     pub resolved: usize,
     /// Camera trees look through mirrors and glass.
     pub has_trees: bool,
+    /// Light is stored in maps, whose radii blur it.
+    pub has_maps: bool,
     /// It is a part of a render: its sums are exact.
     pub is_part: bool,
 }
@@ -53,13 +67,32 @@ impl FilmNeeds {
     /// Bytes from the first pass to the written file, at most.
     pub fn bytes(&self) -> u64 {
         let [layers, resolved] = [self.layers, self.resolved].map(|n| n as u64);
-        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        let [width, height] = self.size.map(u64::from);
+        let pixels = width * height;
         let trees = if self.has_trees { TREE_BYTES } else { 0 };
-        let to_resolve = if resolved > 0 { RESOLVE_BYTES + RESOLVE_LAYER_BYTES * resolved } else { 0 };
         let exact = if self.is_part { EXACT_BYTES * (layers + resolved) } else { 0 };
-        let each = PIXEL_BYTES + trees + LAYER_BYTES * layers + to_resolve + exact;
-        pixels.saturating_mul(each) + pixels.min(SAMPLES_MAX) * SAMPLE_BYTES
+        let each = REST_BYTES + trees + LAYER_BYTES * layers + RESOLVED_BYTES * resolved + exact;
+        let samples = sample_count(self.size) * (SAMPLE_BYTES + if self.has_maps { LINE_BYTES } else { 0 });
+        let swept = if resolved > 0 { self.swept([width, height]) } else { 0 };
+        // the picture has a layer more
+        let batch = pixels * BATCH_BYTES * (layers + 1);
+        pixels.saturating_mul(each) + samples + swept.max(batch)
     }
+
+    /// Bytes of the rows that are held while light is shared.
+    fn swept(&self, [width, height]: [u64; 2]) -> u64 {
+        let resolved = self.resolved as u64;
+        let surfaces = SURFACES[usize::from(!self.has_trees)];
+        let held = (SWEPT_BYTES + SWEPT_LAYER_BYTES * resolved) as f64 * surfaces;
+        let ended = ENDED_BYTES[0] + ENDED_BYTES[1] * resolved;
+        width * (height.min(SWEPT_ROWS) as f64 * held) as u64 + width * height.min(ENDED_ROWS) * ended
+    }
+}
+
+/// Pixels that tell the error of an image: every one, or every second, third … across and down.
+fn sample_count(size: [u32; 2]) -> u64 {
+    let of = |step: u32| size.map(|n| u64::from(n.div_ceil(step))).iter().product::<u64>();
+    (1..).map(of).find(|n| *n <= SAMPLES_MAX).unwrap_or(0)
 }
 
 /// Refuse an image that does not fit the memory that is left, before any of it is taken.
@@ -67,8 +100,10 @@ impl FilmNeeds {
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2], is_part: bool) -> Result<()> {
-    let need = FilmNeeds { size, layers: LAYERS, resolved: 0, has_trees: false, is_part }.bytes();
-    let most = PIXELS_MAX * (PIXEL_BYTES + TREE_BYTES + (LAYER_BYTES + EXACT_BYTES) * LAYERS as u64);
+    let need =
+        FilmNeeds { size, layers: LAYERS, resolved: 0, has_trees: false, has_maps: true, is_part }.bytes();
+    let most =
+        PIXELS_MAX * (REST_BYTES + TREE_BYTES + (LAYER_BYTES + BATCH_BYTES + EXACT_BYTES) * LAYERS as u64);
     let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
     if need > limit {
         let remedy = "render a smaller image (--size)".to_string();
@@ -171,11 +206,35 @@ struct FirstHalf {
 
 /// A layer's mean in each half of the passes, and the part of the passes that each half has.
 #[derive(Debug, Clone)]
-pub struct Halves {
-    /// Radiance, W/(m² sr).
-    pub means: [Vec<Bands>; 2],
+pub struct Halves<'a> {
+    film: &'a Film,
+    layer: usize,
+    first: &'a FirstHalf,
+    sums: &'a Sums,
     /// They add up to one; the second is 0 after one pass.
     pub parts: [f32; 2],
+}
+
+impl Halves<'_> {
+    /// Radiance of a pixel, W/(m² sr).
+    pub fn means(&self, pixel: usize) -> [Bands; 2] {
+        let (film, passes) = (self.film, self.film.passes);
+        let (first, second) = (self.first.passes as f64, (passes - self.first.passes) as f64);
+        let all = film.sum(self.layer, pixel);
+        // what rests has no noise, and blocks that are not over
+        if second == 0.0 || film.schedule.is_resting(pixel) {
+            return [all.map(|x| (x / passes.max(1) as f64) as f32); 2];
+        }
+        let early = self.sums.at(pixel);
+        let rest = std::array::from_fn(|b| ((all[b] - early[b]) / second) as f32);
+        [early.map(|x| (x / first) as f32), rest]
+    }
+
+    /// Whether any pixel is not black.
+    pub fn has_light(&self) -> bool {
+        let is_lit = |pixel| self.means(pixel).as_flattened().iter().any(|x| *x > 0.0);
+        (0..self.film.pixels()).into_par_iter().any(is_lit)
+    }
 }
 
 /// The half that a pass belongs to, from its first bit after the leading one: 0 | 1 | 2 | 3 | 4 5 | 6 7 | 8 9 10 11 | 12 …
@@ -235,26 +294,23 @@ impl Film {
         self.first_half = Some(FirstHalf { passes: 0, sums });
     }
 
+    /// Keep no halves any more.
+    pub(crate) fn forget_halves(&mut self) {
+        self.first_half = None;
+    }
+
     /// The halves of a layer; none where they are not kept.
-    pub fn halves(&self, layer: Layer) -> Option<Halves> {
-        let FirstHalf { passes, sums } = self.first_half.as_ref()?;
-        let (_, sums) = sums.iter().find(|(of, _)| *of == layer)?;
-        let layer = layer as usize;
-        let (first, second) = (*passes as f64, (self.passes - passes) as f64);
-        let means = (0..self.pixels()).into_par_iter().map(|pixel| {
-            let all = self.sum(layer, pixel);
-            let mean = all.map(|x| x / self.passes.max(1) as f64);
-            // what rests has no noise, and blocks that are not over
-            if second == 0.0 || self.schedule.is_resting(pixel) {
-                return [mean.map(|x| x as f32); 2];
-            }
-            let early = sums.at(pixel);
-            let rest = std::array::from_fn(|b| ((all[b] - early[b]) / second) as f32);
-            [early.map(|x| (x / first) as f32), rest]
-        });
-        let (a, b) = means.map(|[a, b]| (a, b)).unzip();
-        let part = first / self.passes.max(1) as f64;
-        Some(Halves { means: [a, b], parts: [part as f32, (1.0 - part) as f32] })
+    pub fn halves(&self, layer: Layer) -> Option<Halves<'_>> {
+        let first = self.first_half.as_ref()?;
+        let (_, sums) = first.sums.iter().find(|(of, _)| *of == layer)?;
+        let part = first.passes as f64 / self.passes.max(1) as f64;
+        Some(Halves {
+            film: self,
+            layer: layer as usize,
+            first,
+            sums,
+            parts: [part as f32, (1.0 - part) as f32],
+        })
     }
 
     /// Pixels across and down.
@@ -359,22 +415,29 @@ impl Film {
 
     /// The mean of the passes, whole and by layer.
     pub fn picture(&self) -> Picture {
-        let n = self.passes.max(1) as f64;
-        let image = |f: &(dyn Fn(usize) -> [f64; BANDS] + Sync)| {
-            let mut image = Image::new(self.width, self.height);
-            image.pixels.par_iter_mut().enumerate().for_each(|(p, pixel)| {
-                let sum = f(p);
-                if sum != [0.0; BANDS] {
-                    *pixel = sum.map(|x| (x / n) as f32);
-                }
-            });
-            image
-        };
         Picture {
-            whole: image(&|p| self.sum_of_layers(p)),
-            layers: std::array::from_fn(|l| image(&|p| self.sum(l, p))),
+            whole: self.image(&|p| self.sum_of_layers(p)),
+            layers: Layer::ALL.map(|layer| self.layer(layer)),
             unresolved: Vec::new(),
         }
+    }
+
+    /// The mean of the passes of a layer.
+    pub(crate) fn layer(&self, layer: Layer) -> Image {
+        self.image(&|p| self.sum(layer as usize, p))
+    }
+
+    /// The mean of some sums over the passes.
+    fn image(&self, sum: &(dyn Fn(usize) -> [f64; BANDS] + Sync)) -> Image {
+        let n = self.passes.max(1) as f64;
+        let mut image = Image::new(self.width, self.height);
+        image.pixels.par_iter_mut().enumerate().for_each(|(p, pixel)| {
+            let sum = sum(p);
+            if sum != [0.0; BANDS] {
+                *pixel = sum.map(|x| (x / n) as f32);
+            }
+        });
+        image
     }
 }
 

@@ -459,7 +459,12 @@ fn pixel_buffers(plan: &Plan, pixels: u64) -> Vec<Buffer> {
     let needed = all.into_iter().filter(|(is_needed, ..)| *is_needed);
     let mut all: Vec<Buffer> =
         needed.map(|(_, name, bytes, holds)| Buffer::new(name, bytes, holds)).collect();
-    all.extend(FILMS.map(|film| Buffer::new(film, pixels * FILM_PIXEL, "sums of a layer")));
+    for (layer, film) in Layer::ALL.into_iter().zip(FILMS) {
+        // the first kernel has a binding for emission, whether it is wanted or not
+        let is_held = plan.traces(layer) || layer == Layer::Emission;
+        let bytes = if is_held { pixels * FILM_PIXEL } else { 0 };
+        all.push(Buffer::new(film, bytes, "sums of a layer"));
+    }
     all
 }
 

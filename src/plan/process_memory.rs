@@ -63,6 +63,7 @@ impl Plan {
             layers: Layer::ALL.into_iter().filter(|layer| self.traces(*layer)).count(),
             resolved: self.resolved_layers().len(),
             has_trees: self.has_specular_bodies(),
+            has_maps: MapKind::ALL.into_iter().any(|kind| self.has_map(kind)),
             is_part: self.settings.is_part,
         }
     }

@@ -176,6 +176,11 @@ impl ErrorEstimator {
         self.film.keep_halves(layers);
     }
 
+    /// Pixels across and down from one that tells the error to the next.
+    pub(crate) fn step(&self) -> u32 {
+        self.lattice.step as u32
+    }
+
     /// Layers that are resolved.
     pub(crate) fn resolves(&self) -> &[Layer] {
         &self.resolves
@@ -186,8 +191,8 @@ impl ErrorEstimator {
         let pixels = || (0..self.lattice.len()).into_par_iter().map(|sample| self.lattice.pixel(sample));
         let sum =
             |of: &dyn Fn(&Resolved) -> Bands| resolved.iter().fold(BLACK, |sum, (_, r)| add(&sum, &of(r)));
-        let errors = |p: usize| {
-            let each = resolved.iter().map(|(_, r)| r.squared_error[p]);
+        let errors = |sample: usize| {
+            let each = resolved.iter().map(|(_, r)| r.squared_error[sample]);
             each.fold(SquaredError::default(), |a, b| SquaredError {
                 variance: a.variance + b.variance,
                 bias: a.bias + b.bias,
@@ -196,7 +201,7 @@ impl ErrorEstimator {
         self.smooth = Some(Smooth {
             passes: self.film.passes(),
             radiance: pixels().map(|p| sum(&|r| r.radiance[p])).collect(),
-            squared_error: pixels().map(errors).collect(),
+            squared_error: (0..self.lattice.len()).into_par_iter().map(errors).collect(),
         });
     }
 
@@ -217,6 +222,11 @@ impl ErrorEstimator {
     /// All passes.
     pub(crate) fn film(&self) -> &Film {
         &self.film
+    }
+
+    /// All passes, and nothing else any more.
+    pub(crate) fn into_film(self) -> Film {
+        self.film
     }
 
     /// The error of the mean of all passes; none before there are two. While the later passes are less than half as many as

@@ -14,7 +14,7 @@ mod static_tiles;
 
 use crate::backend::{Backend, HostSeconds, Tally};
 use crate::error::Result;
-use crate::film::{Film, Layer, Picture};
+use crate::film::{Film, Image, Layer, Picture};
 use crate::render::error_estimate::ErrorEstimator;
 use crate::resolve::{Resolved, Resolver};
 use crate::spectrum::{BLACK, add};
@@ -92,17 +92,22 @@ pub struct Progress<'a> {
 type ResolvedLayers = Vec<(Layer, Resolved)>;
 
 /// The picture of a film, with its layers as they were resolved.
-fn picture(film: &Film, resolved: &ResolvedLayers) -> Picture {
-    let mut picture = film.picture();
-    for (layer, resolved) in resolved {
-        let image = &mut picture.layers[*layer as usize];
-        picture.unresolved.push((*layer, image.clone()));
-        image.pixels.copy_from_slice(&resolved.radiance);
+fn picture(film: &Film, resolved: ResolvedLayers) -> Picture {
+    if resolved.is_empty() {
+        return film.picture();
     }
-    if !resolved.is_empty() {
-        for (pixel, whole) in picture.whole.pixels.iter_mut().enumerate() {
-            *whole = picture.layers.iter().fold(BLACK, |sum, layer| add(&sum, &layer.pixels[pixel]));
-        }
+    let [width, height] = film.size();
+    let mut picture = Picture {
+        whole: Image::new(width, height),
+        layers: Layer::ALL.map(|layer| film.layer(layer)),
+        unresolved: Vec::with_capacity(resolved.len()),
+    };
+    for (layer, Resolved { radiance, .. }) in resolved {
+        let image = Image { width, height, pixels: radiance };
+        picture.unresolved.push((layer, std::mem::replace(&mut picture.layers[layer as usize], image)));
+    }
+    for (pixel, whole) in picture.whole.pixels.iter_mut().enumerate() {
+        *whole = picture.layers.iter().fold(BLACK, |sum, layer| add(&sum, &layer.pixels[pixel]));
     }
     picture
 }
@@ -117,11 +122,14 @@ impl Progress<'_> {
     pub fn look(&self) -> Look {
         let clock = Clock::start();
         let mut estimator = std::borrow::Cow::Borrowed(self.estimator);
-        let resolved = self.resolver.map(|r| r.resolve(self.estimator.film())).unwrap_or_default();
+        let resolved = self
+            .resolver
+            .map(|r| r.resolve(self.estimator.film(), self.estimator.step()))
+            .unwrap_or_default();
         if self.resolver.is_some() {
             estimator.to_mut().set_resolved(&resolved);
         }
-        let picture = picture(self.estimator.film(), &resolved);
+        let picture = picture(self.estimator.film(), resolved);
         let [seconds, cpu_seconds] = clock.read();
         let error = if self.resolver.is_some() { estimator.error() } else { self.error };
         Look { picture, error, seconds, cpu_seconds }

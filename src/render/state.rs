@@ -18,9 +18,6 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Seconds that it takes to resolve a picture, over those of a look at what it shows.
-const RESOLVE_OVER_LOOK: f64 = 2.5;
-
 /// Where the time or the error is within this part of what stops a render, no batch begins before it is known to be needed.
 const SURELY: f64 = 0.9;
 
@@ -232,9 +229,7 @@ impl RenderState {
         let mut clock = Clock::start();
         clock.go_on_from(self.reading);
         if let Some(resolver) = self.resolver.clone().filter(|_| stop.seconds.is_some()) {
-            let begin = Instant::now();
-            self.host.time(HostWork::Resolving, || resolver.look());
-            self.still_to_come.picture = RESOLVE_OVER_LOOK * begin.elapsed().as_secs_f64();
+            self.still_to_come.picture = self.host.time(HostWork::Resolving, || resolver.foresee());
         }
         loop {
             let count = self.batch_passes(backend, self.pass, stop);
@@ -243,7 +238,7 @@ impl RenderState {
             self.still_to_come.pass = begin.elapsed().as_secs_f64() / count as f64;
             self.still_to_come.passes = self.batch_passes(backend, self.pass, stop);
             if stop.error.is_some() {
-                self.renew_estimate(stop);
+                self.renew_estimate(backend, stop);
             }
             self.reading = clock.read();
             added?;
@@ -384,7 +379,7 @@ impl RenderState {
     }
 
     /// Where the picture is resolved, its error is known when it is: at powers of four of passes, and where it may be small enough.
-    fn renew_estimate(&mut self, stop: Stop) {
+    fn renew_estimate(&mut self, backend: &mut dyn Backend, stop: Stop) {
         let Some(resolver) = self.resolver.clone() else { return };
         let passes = self.passes();
         let is_due = passes >= ERROR_PASSES && passes.is_power_of_two() && passes.ilog2().is_multiple_of(2);
@@ -392,6 +387,8 @@ impl RenderState {
         let is_known = self.sums.resolved_at() == Some(passes);
         if (is_due || may_stop) && !is_known {
             let begin = Instant::now();
+            // what sharing holds takes the place of the last batch
+            backend.reuse(Batch::default());
             self.resolve(&resolver);
             self.still_to_come.picture = begin.elapsed().as_secs_f64();
             self.error = self.sums.error();
@@ -400,8 +397,12 @@ impl RenderState {
 
     /// Share light as the passes so far have it.
     fn resolve(&mut self, resolver: &Resolver) {
-        self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film()));
+        let step = self.sums.step();
+        self.resolved = Vec::new();
+        self.resolved = self.host.time(HostWork::Resolving, || resolver.resolve(self.sums.film(), step));
         self.host.time(HostWork::Statistics, || self.sums.set_resolved(&self.resolved));
+        // that tells it from here on
+        self.resolved.iter_mut().for_each(|(_, resolved)| resolved.squared_error = Vec::new());
     }
 
     fn progress(&self, stop: Stop) -> Progress<'_> {
@@ -453,9 +454,14 @@ impl RenderState {
         if let Some(resolver) = self.resolver.clone().filter(|_| !is_resolved) {
             self.resolve(&resolver);
         }
-        let picture = self.host.time(HostWork::Picture, || picture(self.sums.film(), &self.resolved));
         let is_known = self.resolver.is_none() && (passes < ERROR_PASSES || is_estimated(passes));
         let error_estimate = if is_known { self.error } else { self.sums.error() };
+        // the picture takes the place of what told its error, and of what it shows
+        (self.resolver, self.static_tiles, self.glints) = Default::default();
+        let mut film = self.sums.into_film();
+        film.forget_halves();
+        let resolved = self.resolved;
+        let picture = self.host.time(HostWork::Picture, || picture(&film, resolved));
         let spent = clock.read();
         let [seconds, cpu_seconds] = [0, 1].map(|i| self.reading[i] + spent[i]);
         Rendered {

@@ -5,8 +5,9 @@ use super::noise::{Noise, agreed};
 use super::patch::{Patch, Place};
 use super::pyramid::middle;
 use super::regression::REACH;
-use super::sources::{CHOICES, Choices, LAYERS, Sources};
+use super::sources::{CHOICES, Choices, LAYERS, LEVELS, Sources};
 use super::told::count;
+use super::window::Window;
 use crate::spectrum::{BANDS, Bands};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -30,6 +31,13 @@ const DOUBT_NEAR: f32 = 4.0;
 const DOUBT: f32 = 2.0;
 /// Kernel pixels over blocks: the equivalent number of equal weights.
 const KERNEL_BLOCKS: f32 = 10.9;
+
+/// Pixels from the middle of a pixel to the end of the coarsest block that its kernels reach.
+const KERNEL_ROWS: u32 = ((REACH + 1.0) * (1u32 << (LEVELS - 1)) as f32) as u32;
+/// Rows of cells from one that statistics of it are taken from.
+const POOL_CELLS: u32 = (POOL * REACH * (1u32 << (LEVELS - 1)) as f32) as u32 / CELL + 2;
+/// Cells from a pixel's own that tell its errors.
+const AT_CELLS: u32 = 2;
 
 /// Squared error of a choice of which nothing is known.
 const UNKNOWN: f32 = 1e30;
@@ -82,12 +90,16 @@ impl ChoiceError {
 /// Of each choice.
 pub(super) type Errors = [ChoiceError; CHOICES];
 
-/// Squared errors all over the image.
+/// Squared errors of some rows of the image.
 #[derive(Debug)]
 pub(super) struct Bandwidths {
     size: [u32; 2],
-    first: Vec<u32>,
-    cells: Vec<(Cell, [Errors; LAYERS])>,
+    /// First surface of each cell, and the end.
+    first: Window<u32>,
+    cells: Window<Cell>,
+    errors: Window<[Errors; LAYERS]>,
+    /// Rows of cells whose errors are known.
+    pooled: u32,
 }
 
 /// Radius of a choice's kernel, pixels.
@@ -110,28 +122,76 @@ fn reaches(choice: usize, noise: Noise) -> [f32; 2] {
 }
 
 impl Bandwidths {
-    /// Look what each choice would give.
-    pub(super) fn look(sources: &Sources<'_>) -> Self {
-        let size = sources.size.map(|n| n.div_ceil(CELL));
-        let cells: Vec<Vec<Cell>> =
-            (0..size[0] * size[1]).into_par_iter().map(|cell| sampled(sources, cell, size[0])).collect();
-        let (mut first, mut all) = (vec![0], Vec::new());
-        for cell in cells {
-            all.extend(cell);
-            first.push(all.len() as u32);
+    /// Nothing known yet of an image.
+    pub(super) fn new(size: [u32; 2]) -> Self {
+        let size = size.map(|n| n.div_ceil(CELL));
+        let first = Window::from_iter([0]);
+        Self { size, first, cells: Window::default(), errors: Window::default(), pooled: 0 }
+    }
+
+    /// Rows of cells that have their samples.
+    fn sampled(&self) -> u32 {
+        (self.first.end() - 1) as u32 / self.size[0]
+    }
+
+    /// Rows of pixels that can be asked for, of so many.
+    pub(super) fn rows(&self, height: u32) -> u32 {
+        if self.pooled == self.size[1] {
+            height
+        } else {
+            (self.pooled * CELL).saturating_sub(AT_CELLS * CELL)
         }
-        let errors: Vec<[Errors; LAYERS]> = all
-            .par_iter()
-            .map(|cell| {
-                let near = Near::of(cell, &all, &first, size);
-                let mut errors = [[ChoiceError::UNKNOWN; CHOICES]; LAYERS];
-                for (layer, errors) in errors.iter_mut().enumerate().take(sources.layers.len()) {
-                    *errors = near.pooled(layer, sources.noise(layer));
-                }
-                errors
-            })
+    }
+
+    /// Rows of pixels whose weights [`Bandwidths::look`] needs.
+    pub(super) fn rows_to_sample(&self, told: u32, height: u32) -> u32 {
+        if told == height { height } else { told.saturating_sub(KERNEL_ROWS) / CELL * CELL }
+    }
+
+    /// Look what each choice would give in the rows of pixels up to this one.
+    pub(super) fn look(&mut self, sources: &Sources<'_>, rows: u32) {
+        let across = self.size[0];
+        let rows = if rows == sources.size[1] { self.size[1] } else { rows / CELL };
+        let cells: Vec<Vec<Cell>> = (self.sampled() * across..rows * across)
+            .into_par_iter()
+            .map(|cell| sampled(sources, cell, across))
             .collect();
-        Self { size, first, cells: all.into_iter().zip(errors).collect() }
+        let mut end = self.cells.end() as u32;
+        let ends = cells.iter().map(|cells| {
+            end += cells.len() as u32;
+            end
+        });
+        self.first.extend(ends.collect());
+        self.cells.extend(cells.into_iter().flatten().collect());
+        self.pool(sources);
+    }
+
+    /// Errors as far as all samples around are known.
+    fn pool(&mut self, sources: &Sources<'_>) {
+        let sampled = self.sampled();
+        let rows = if sampled == self.size[1] { sampled } else { sampled.saturating_sub(POOL_CELLS) };
+        let rows = rows.max(self.pooled);
+        let ids = [self.pooled, rows].map(|row| self.first[(row * self.size[0]) as usize] as usize);
+        let errors = (ids[0]..ids[1]).into_par_iter().map(|id| {
+            let near = Near::of(&self.cells[id], self);
+            let mut errors = [[ChoiceError::UNKNOWN; CHOICES]; LAYERS];
+            for (layer, errors) in errors.iter_mut().enumerate().take(sources.layers.len()) {
+                *errors = near.pooled(layer, sources.noise(layer));
+            }
+            errors
+        });
+        self.errors.extend(errors.collect());
+        self.pooled = rows;
+    }
+
+    /// Let go of what no pixel of this row, or of one that follows, asks for.
+    pub(super) fn drop_before(&mut self, row: u32) {
+        let keep = |row: u32, cells: u32| (row.saturating_sub(cells) * self.size[0]) as usize;
+        let asked = keep(row / CELL, AT_CELLS);
+        self.errors.drop_before(self.first[asked] as usize);
+        let block = asked.min(keep(self.pooled, POOL_CELLS));
+        self.cells.drop_before(self.first[block] as usize);
+        self.first.drop_before(block);
     }
 
     /// Squared error of each choice for each layer at a patch; none where nothing is known of its surface.
@@ -140,7 +200,7 @@ impl Bandwidths {
         let (mut sum, mut errors) = (0.0, [[ChoiceError::default(); CHOICES]; LAYERS]);
         for row in rows(at, reach, self.size) {
             let ids = self.first[row.start] as usize..self.first[row.end] as usize;
-            for (cell, mine) in &self.cells[ids] {
+            for (cell, mine) in self.cells.range(ids.clone()).zip(self.errors.range(ids)) {
                 let away = cell.at.distance_squared(at);
                 let near = 1.0 - away / (reach * reach);
                 if near <= 0.0 {
@@ -271,13 +331,13 @@ struct Near<'a> {
 }
 
 impl<'a> Near<'a> {
-    fn of(cell: &Cell, all: &'a [Cell], first: &[u32], size: [u32; 2]) -> Self {
+    fn of(cell: &Cell, all: &'a Bandwidths) -> Self {
         let mut by_choice: [Vec<_>; CHOICES] = Default::default();
         let largest: [f32; CHOICES] = std::array::from_fn(|choice| {
             reaches(choice, Noise::Rare).into_iter().fold(0.0, f32::max).powi(2)
         });
-        for row in rows(cell.at, largest[CHOICES - 1].sqrt(), size) {
-            for other in &all[first[row.start] as usize..first[row.end] as usize] {
+        for row in rows(cell.at, largest[CHOICES - 1].sqrt(), all.size) {
+            for other in all.cells.range(all.first[row.start] as usize..all.first[row.end] as usize) {
                 let away = other.at.distance_squared(cell.at);
                 let Some(choice) = largest.iter().position(|reach| away < *reach) else { continue };
                 let like = cell.place.likeness(&other.place, away.sqrt() + CELL as f32);

@@ -5,6 +5,7 @@
 
 mod apart;
 mod bandwidth;
+mod lit;
 mod looks;
 mod mixed;
 mod noise;
@@ -13,19 +14,35 @@ mod pyramid;
 mod regression;
 mod sources;
 mod surfaces;
+mod sweep;
 mod told;
+mod window;
 
 use crate::film::neighbours::around;
 use crate::film::{Film, Halves, Layer, RELATIVE_OFFSET};
 use crate::packed::PackedScene;
-use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, mul, scale};
+use crate::spectrum::{BANDS, BLACK, Bands, add, mul, scale};
 use bandwidth::{Bandwidths, ChoiceError, Errors};
-use mixed::{Mixed, weighed};
+use lit::Lit;
+use mixed::Mixed;
 use pyramid::middle;
 use rayon::prelude::*;
-use sources::{CHOICES, LAYERS, LEVELS, Lit, Sources};
+use sources::{CHOICES, LAYERS, LEVELS, Sources};
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 use surfaces::Surfaces;
+use sweep::{Found, Shown, share};
+use window::Window;
+
+/// Rows that are taken at a time: blocks of the coarsest level.
+const STRIP: u32 = 1 << (LEVELS - 1);
+/// What an image of so many rows shows is kept: a sweep holds as much of a larger one.
+const KEPT_ROWS: u32 = 512;
+/// Seconds that it takes to resolve a picture, over those of a look at what it shows.
+const OVER_LOOK: f64 = 2.5;
+/// Of so many rows one is looked at to foresee the time of all.
+const FORESEEN: u32 = 8;
 
 /// What is taken where nothing is known: a kernel of 10 pixels.
 const FIRST_CHOICE: usize = 3;
@@ -46,6 +63,7 @@ pub struct Resolver {
     scene: Arc<PackedScene>,
     seed: u32,
     layers: Vec<Layer>,
+    /// Of an image of at most [`KEPT_ROWS`]: others are looked at each time.
     surfaces: OnceLock<Surfaces>,
 }
 
@@ -60,11 +78,11 @@ pub struct SquaredError {
 }
 
 /// An image of a layer.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Resolved {
     /// Radiance of each pixel, W/(m² sr).
     pub radiance: Vec<Bands>,
-    /// What is known of its error.
+    /// What is known of its error: of each pixel whose error was asked for, row by row.
     pub squared_error: Vec<SquaredError>,
 }
 
@@ -79,85 +97,78 @@ impl Resolver {
         &self.layers
     }
 
-    /// See what the image shows: [`Resolver::resolve`] needs it, and this is the part of its time that depends on no pass.
-    pub fn look(&self) {
-        self.surfaces();
+    /// Seconds that [`Resolver::resolve`] is going to take. This sees what the image shows, or some rows of it: the part of that time that
+    /// depends on no pass.
+    pub fn foresee(&self) -> f64 {
+        let begin = Instant::now();
+        let height = self.scene.size[1];
+        if height <= KEPT_ROWS {
+            self.kept();
+            return OVER_LOOK * begin.elapsed().as_secs_f64();
+        }
+        // evenly spaced rows
+        let seen: u32 = (0..height / FORESEEN / STRIP)
+            .map(|strip| Surfaces::glance(&self.scene, self.seed, strip * FORESEEN * STRIP, STRIP))
+            .sum();
+        (1.0 + OVER_LOOK) * begin.elapsed().as_secs_f64() * f64::from(height) / f64::from(seen.max(1))
     }
 
-    fn surfaces(&self) -> &Surfaces {
-        self.surfaces.get_or_init(|| Surfaces::look(&self.scene, self.seed))
+    /// What the image shows, once for all.
+    fn kept(&self) -> &Surfaces {
+        self.surfaces.get_or_init(|| {
+            let mut surfaces = Surfaces::new(self.scene.size);
+            while surfaces.rows() < self.scene.size[1] {
+                surfaces.look(&self.scene, self.seed, STRIP);
+            }
+            surfaces
+        })
     }
 
-    /// Share light among neighbours, each layer by itself; what is black is left out. The film keeps the halves of these layers.
-    pub fn resolve(&self, film: &Film) -> Vec<(Layer, Resolved)> {
-        let has_light = |halves: &Halves| halves.means.iter().flatten().any(|l| !is_black(l));
-        let of = |layer: &Layer| Some((*layer, film.halves(*layer).filter(has_light)?));
-        let halves: Vec<(Layer, Halves)> = self.layers.iter().filter_map(of).collect();
+    /// Share light among neighbours, each layer by itself; what is black is left out. The film keeps the halves of these layers. Errors are
+    /// told of every `step`th pixel across and down.
+    pub fn resolve(&self, film: &Film, step: u32) -> Vec<(Layer, Resolved)> {
+        let of = |layer: &Layer| Some((*layer, film.halves(*layer).filter(Halves::has_light)?));
+        let halves: Vec<(Layer, Halves<'_>)> = self.layers.iter().filter_map(of).collect();
         let Some((_, Halves { parts, .. })) = halves.first() else { return Vec::new() };
-        let lit: Vec<Lit<'_>> = halves
-            .iter()
-            .map(|(layer, of)| Lit { layer: *layer, halves: of.means.each_ref().map(|half| &half[..]) })
-            .collect();
-        let resolved = share(film.size(), self.surfaces(), &lit, *parts, &weights(film));
+        let means: Vec<_> = halves.iter().map(|(_, halves)| |pixel: usize| halves.means(pixel)).collect();
+        let lit = halves.iter().zip(&means).map(|((layer, _), means)| Lit { layer: *layer, means });
+        let lit: Vec<Lit<'_>> = lit.collect();
+        let shown = if film.size()[1] <= KEPT_ROWS {
+            Shown::Kept(self.kept())
+        } else {
+            Shown::Looked { scene: &self.scene, seed: self.seed, surfaces: Surfaces::new(film.size()) }
+        };
+        let weights = |rows: Range<u32>| weights(film, rows);
+        let found = Found { size: film.size(), layers: &lit, parts: *parts, step, weights: &weights };
+        let resolved = share(&found, shown, STRIP);
         lit.iter().map(|lit| lit.layer).zip(resolved).collect()
     }
 }
 
-/// What squared errors of each pixel weigh: one over the squared radiance of light on surfaces about it. A lamp beside a dark pixel
-/// makes no error of it small.
-fn weights(film: &Film) -> Vec<f32> {
+/// What squared errors of each pixel of some rows weigh: one over the squared radiance of light on surfaces about it. A lamp beside a
+/// dark pixel makes no error of it small.
+fn weights(film: &Film, rows: Range<u32>) -> Vec<f32> {
+    let [width, height] = film.size();
     let passes = film.passes().max(1) as f64;
-    let lit = |pixel: usize| -> Bands {
-        let sums = Layer::ON_SURFACES.map(|layer| film.sum(layer as usize, pixel));
+    let lit = |pixel: u32| -> Bands {
+        let sums = Layer::ON_SURFACES.map(|layer| film.sum(layer as usize, pixel as usize));
         std::array::from_fn(|b| (sums.iter().map(|sum| sum[b]).sum::<f64>() / passes) as f32)
     };
-    let pixels = film.size().iter().product::<u32>();
-    let radiance: Vec<Bands> = (0..pixels as usize).map(lit).collect();
+    let first = rows.start.saturating_sub(1) * width;
+    let radiance: Vec<Bands> = (first..(rows.end + 1).min(height) * width).into_par_iter().map(lit).collect();
     let of = |pixel: u32| {
-        let near = || around(pixel, film.size()).map(|i| radiance[i]);
+        let near = || around(pixel, film.size()).map(|i| radiance[i - first as usize]);
         let count = near().count() as f32;
         let sum = near().fold(BLACK, |sum, l| add(&sum, &l));
         let square = sum.iter().map(|x| (x / count).powi(2)).sum::<f32>() / BANDS as f32;
         1.0 / (square + RELATIVE_OFFSET as f32).min(LARGEST_SQUARE)
     };
-    (0..pixels).into_par_iter().map(of).collect()
-}
-
-/// Share what the halves of the passes found among pixels that show these surfaces.
-fn share(
-    size: [u32; 2],
-    surfaces: &Surfaces,
-    layers: &[Lit<'_>],
-    parts: [f32; 2],
-    weights: &[f32],
-) -> Vec<Resolved> {
-    let halves: Vec<_> = layers.iter().map(|lit| lit.halves).collect();
-    let mut levels = apart::told(size, surfaces, &halves);
-    while levels.len() < LEVELS {
-        levels.push(levels[levels.len() - 1].coarser());
-    }
-    let sources = Sources { size, surfaces, layers, levels: &levels, parts, weights };
-    let bandwidths = Bandwidths::look(&sources);
-    let pixels = 0..size[0] * size[1];
-    let shared: Vec<[Estimate; LAYERS]> =
-        pixels.clone().into_par_iter().map(|pixel| of_pixel(&sources, &bandwidths, pixel)).collect();
-    let resolved = |layer: usize| {
-        let mixed = weighed(&sources, layer, &shared);
-        let squared_error = pixels.clone().into_par_iter().map(|pixel| SquaredError {
-            variance: mixed[pixel as usize].variance,
-            bias: bias(&mixed, pixel, size),
-        });
-        Resolved {
-            squared_error: squared_error.collect(),
-            radiance: mixed.iter().map(|mixed| mixed.radiance).collect(),
-        }
-    };
-    (0..layers.len()).map(resolved).collect()
+    (rows.start * width..rows.end * width).into_par_iter().map(of).collect()
 }
 
 /// Squared bias of a pixel and the eight about it: the product of what sharing changes in them in each half of the passes. Their mean is a
 /// third as noisy as single pixels, and light seldom changes so finely that it is less.
-fn bias(mixed: &[Mixed], pixel: u32, size: [u32; 2]) -> f32 {
+fn bias(mixed: &Window<Mixed>, pixel: u32, size: [u32; 2]) -> f32 {
     let (mut count, mut changes) = (0.0, [BLACK; 2]);
     for near in around(pixel, size) {
         let more = mixed[near].changes;

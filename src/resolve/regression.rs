@@ -3,7 +3,9 @@
 
 use super::patch::Patch;
 use super::pyramid::Level;
+use super::surfaces::Surfaces;
 use super::told::{Values, halves};
+use super::window::Window;
 use crate::sampling::distributions::basis;
 use crate::spectrum::Bands;
 use glam::Vec2;
@@ -24,7 +26,7 @@ pub(super) struct Kernel(Vec<(u32, f32)>);
 
 impl Kernel {
     /// That gives the value at a patch whose pixel has its middle at `at`; none where nothing near is known.
-    pub(super) fn at(level: &Level, patch: &Patch, at: Vec2) -> Option<Self> {
+    pub(super) fn at(level: &Level, surfaces: &Surfaces, patch: &Patch, at: Vec2) -> Option<Self> {
         let width = level.width as f32;
         let radius = REACH * width;
         let (low, high) = ((at - radius) / width, (at + radius) / width);
@@ -36,32 +38,30 @@ impl Kernel {
         let (mut suu, mut suv, mut svv) = (0.0f32, 0.0f32, 0.0f32);
         // weight, and the same times the coordinates on the surface
         let mut near: Vec<(u32, [f32; 3])> = Vec::with_capacity(NODES);
+        let columns = range(low.x, high.x, level.size[0]);
         for y in range(low.y, high.y, level.size[1]) {
-            for x in range(low.x, high.x, level.size[0]) {
-                for id in level.ids(x, y) {
-                    let node = level.node(id);
-                    let away = node.at.distance_squared(at);
-                    let inside = 1.0 - away * over;
-                    if inside <= 0.0 {
-                        continue;
-                    }
-                    let like = patch.place.likeness(&node.place, away.sqrt());
-                    let w = node.count * inside * inside * like;
-                    if w <= 0.0 {
-                        continue;
-                    }
-                    let d = node.place.position - patch.place.position;
-                    let (u, v) = (d.dot(across) * scale, d.dot(down) * scale);
-                    let (wu, wv) = (w * u, w * v);
-                    s += w;
-                    su += wu;
-                    sv += wv;
-                    suu += wu * u;
-                    suv += wu * v;
-                    svv += wv * v;
-                    near.push((id as u32, [w, wu, wv]));
+            level.for_each(surfaces, y, columns.clone(), |id, node| {
+                let away = node.at.distance_squared(at);
+                let inside = 1.0 - away * over;
+                if inside <= 0.0 {
+                    return;
                 }
-            }
+                let like = patch.place.likeness(&node.place, away.sqrt());
+                let w = node.count * inside * inside * like;
+                if w <= 0.0 {
+                    return;
+                }
+                let d = node.place.position - patch.place.position;
+                let (u, v) = (d.dot(across) * scale, d.dot(down) * scale);
+                let (wu, wv) = (w * u, w * v);
+                s += w;
+                su += wu;
+                sv += wv;
+                suu += wu * u;
+                suv += wu * v;
+                svv += wv * v;
+                near.push((id as u32, [w, wu, wv]));
+            });
         }
         if s < LEAST {
             return None;
@@ -80,7 +80,7 @@ impl Kernel {
     }
 
     /// Irradiance of what the nodes found, as each half of the passes tells it.
-    pub(super) fn of(&self, values: &[Values]) -> [Bands; 2] {
+    pub(super) fn of(&self, values: &Window<Values>) -> [Bands; 2] {
         let mut sums = Values::default();
         for &(id, weight) in &self.0 {
             sums.iter_mut().zip(&values[id as usize]).for_each(|(sum, value)| *sum += weight * value);

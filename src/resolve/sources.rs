@@ -1,9 +1,11 @@
 //! Sources: everything that the light of a patch is chosen from.
 
+use super::lit::Lit;
 use super::noise::Noise;
 use super::pyramid::{Level, middle};
 use super::regression::Kernel;
 use super::surfaces::Surfaces;
+use super::window::Window;
 use crate::film::Layer;
 use crate::spectrum::{BANDS, Bands};
 use std::cell::OnceCell;
@@ -15,14 +17,6 @@ pub(super) const CHOICES: usize = LEVELS + 1;
 /// Layers that are resolved at once, at most.
 pub(super) const LAYERS: usize = Layer::ON_SURFACES.len();
 
-/// A layer as two halves of the passes have found it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lit<'a> {
-    pub(super) layer: Layer,
-    /// Mean radiance of each half, W/(m² sr).
-    pub(super) halves: [&'a [Bands]; 2],
-}
-
 /// All layers, and what the image shows.
 pub(super) struct Sources<'a> {
     pub(super) size: [u32; 2],
@@ -32,7 +26,7 @@ pub(super) struct Sources<'a> {
     /// Part of the passes that each half has.
     pub(super) parts: [f32; 2],
     /// What squared errors of each pixel weigh: they count relative to its light.
-    pub(super) weights: &'a [f32],
+    pub(super) weights: &'a Window<f32>,
 }
 
 impl Sources<'_> {
@@ -50,7 +44,7 @@ impl Sources<'_> {
 
     /// Mean radiance of a layer that each half found in a pixel.
     pub(super) fn own(&self, layer: usize, pixel: u32) -> [Bands; 2] {
-        self.layers[layer].halves.map(|half| half[pixel as usize])
+        self.layers[layer].halves(pixel as usize)
     }
 
     /// How a layer's noise behaves.
@@ -78,7 +72,9 @@ impl Choices<'_> {
     pub(super) fn of(&self, layer: usize, choice: usize) -> Option<[Bands; 2]> {
         let s = self.sources;
         let Some(level) = choice.checked_sub(1) else { return Some(s.levels[0].of(layer, self.id)) };
-        let at = || Kernel::at(&s.levels[level], s.surfaces.patch(self.id), middle(self.pixel, s.size));
+        let at = || {
+            Kernel::at(&s.levels[level], s.surfaces, s.surfaces.patch(self.id), middle(self.pixel, s.size))
+        };
         self.kernels[level].get_or_init(at).as_ref().map(|kernel| kernel.of(s.levels[level].values(layer)))
     }
 }
