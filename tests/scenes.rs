@@ -25,7 +25,7 @@ fn committed_scenes_are_generated() {
         let committed = std::fs::read_to_string(directory().join(name)).unwrap();
         assert!(committed == *text, "scenes/{name} differs: cargo run --example make_scenes");
     }
-    let by_hand = ["README.md", "hello.toml"];
+    let by_hand = ["README.md", "hello.toml", "prism.toml"];
     let is_made = |e: &std::fs::DirEntry| !by_hand.iter().any(|name| e.file_name() == *name);
     let entries = std::fs::read_dir(directory()).unwrap().flatten().filter(is_made);
     assert_eq!(entries.count(), files.len());
@@ -51,6 +51,7 @@ fn committed_scenes_are_sound() {
         ("rooms", 1000),
         ("pedestal", 2000),
         ("hello", 2 * 20480 + 200),
+        ("prism", 12 + 4 + 132),
     ] {
         let scene = load(name);
         assert_eq!(scene.warnings, Vec::<String>::new(), "{name}");

@@ -2,6 +2,7 @@
 // reads  scene, tiles, gather_points, path_filter      writes  film_direct, status
 // import: scene/features.wgsl
 // import: camera/strip.wgsl
+// import: camera/film.wgsl
 // import: camera/live.wgsl
 // import: dispatch/count.wgsl
 // import: sampling/rng.wgsl
@@ -55,5 +56,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
-    film_direct[held(pixel)] += four_of_bands(point.throughput * sum / f32(pass_info.shadow_rays));
+    film_direct[held(pixel)] += to_film(point.throughput * sum / f32(pass_info.shadow_rays));
 }

@@ -3,6 +3,7 @@
 // reads  scene, tiles, path_filter      writes  gather_points, film_emission, status
 // import: scene/features.wgsl
 // import: camera/strip.wgsl
+// import: camera/film.wgsl
 // import: camera/live.wgsl
 // import: dispatch/count.wgsl
 // import: sampling/rng.wgsl
@@ -54,7 +55,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         path_length += hit.t;
         let s = surface_at(hit);
-        let b = bsdf_at(s, direction);
+        var b = bsdf_at(s, direction);
         if is_wanted {
             emission += throughput * le_at(b) * weight_of_eye(splits, trees);
         }
@@ -80,6 +81,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             );
             break;
         }
+        if HAS_DISPERSION {
+            b = with_band(b, throughput, golden(sample, sequence_seed(pass_info.seed, pixel, STREAM_EYE_BAND)));
+        }
         let lobe = chosen_delta(weights, choice - stop);
         let next = sample_delta_at(b, lobe, random.yz);
         // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
@@ -103,5 +107,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }
     gather_points[held(pixel)] = point;
-    film_emission[held(pixel)] += four_of_bands(emission);
+    film_emission[held(pixel)] += to_film(emission);
 }

@@ -6,6 +6,7 @@
 // import: scene/features.wgsl
 // import: scene/scene.wgsl
 // import: camera/strip.wgsl
+// import: camera/film.wgsl
 // import: camera/live.wgsl
 // import: maps/grid.wgsl
 // import: maps/lanes.wgsl
@@ -124,5 +125,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if !varies {
         sum *= eval_scatter(m, shading, wo, wo);
     }
-    film[at] += four_of_bands(point.throughput * sum);
+    film[at] += to_film(point.throughput * sum);
 }

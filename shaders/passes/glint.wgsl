@@ -93,7 +93,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
             continue;
         }
         let s = surface_at(hit);
-        let b = bsdf_at(s, way.direction);
+        var b = bsdf_at(s, way.direction);
         let light = le_at(b);
         if max_band(light) > 0.0 && is_wanted {
             found.emission += way.throughput * light * weight;
@@ -105,6 +105,9 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
             continue;
         }
         found.direct = false;
+        if HAS_DISPERSION {
+            b = with_band(b, way.throughput, golden(number.x, sequence_seed(seed, pixel, STREAM_GLINT_BAND)));
+        }
         let random = random4(seed, number.x, pixel, DIMENSION_GLINT + node);
         node += 1u;
         // nothing is scattered or absorbed by chance here: only delta lobes lead to light

@@ -2,6 +2,7 @@
 // reads  glints, seen      writes  film_emission
 // import: dispatch/index.wgsl
 // import: camera/strip.wgsl
+// import: camera/film.wgsl
 // import: paths/trees.wgsl
 
 @group(0) @binding(0) var<uniform> pass_info: PassInfo;
@@ -22,6 +23,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         for (var i = 0u; i < trees; i += 1u) {
             emission += seen[index + i];
         }
-        film_emission[held(glint_pixel(entry))] += emission;
+        film_emission[held(glint_pixel(entry))] += to_film(bands_of_four(emission));
     }
 }

@@ -8,6 +8,7 @@
 // writes  film_diffuse, status, queue (zero before)
 // import: scene/features.wgsl
 // import: camera/strip.wgsl
+// import: camera/film.wgsl
 // import: camera/live.wgsl
 // import: dispatch/count.wgsl
 // import: sampling/rng.wgsl
@@ -208,7 +209,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
     }
     (*p).length += hit.t;
     let s = surface_at(hit);
-    let b = bsdf_at(s, direction);
+    var b = bsdf_at(s, direction);
     let weights = weights_at(b, (*p).throughput);
     let scattered = scatter_weight(weights);
     let kept = scattered + delta_weight(weights);
@@ -257,6 +258,10 @@ fn go_on(p: ptr<function, Path>) -> bool {
         (*p).departs = Departure(origin, 0.0);
         (*p).is_first = false;
     } else {
+        if HAS_DISPERSION {
+            let seed = sequence_seed(pass_info.seed, (*p).pixel, STREAM_INDIRECT_BAND);
+            b = with_band(b, (*p).throughput, golden((*p).sample, seed));
+        }
         let lobe = chosen_delta(weights, choice - scattered);
         let next = sample_delta_at(b, lobe, random.yz);
         let survives = survival((*p).events, kept, PATH_STEPS);
@@ -311,7 +316,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if is_under_way {
             is_under_way = go_on(&p);
             if !is_under_way {
-                film_diffuse[held(p.pixel)] += four_of_bands(p.sum);
+                film_diffuse[held(p.pixel)] += to_film(p.sum);
                 spent += steps + disc_steps;
                 steps = 0u;
                 disc_steps = 0u;

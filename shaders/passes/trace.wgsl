@@ -80,7 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             continue;
         }
         let s = surface_at(hit);
-        let b = bsdf_at(s, lane.direction);
+        var b = bsdf_at(s, lane.direction);
         let wi = -lane.direction;
         // [E11] jotons see shading normals through their adjoint
         var adjoint_in = 1.0;
@@ -119,6 +119,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if lobe == LOBE_NONE || (CAUSTIC && !is_delta(lobe)) {
             lane.status = 0u;
             continue;
+        }
+        if HAS_DISPERSION {
+            let stream = select(STREAM_DIFFUSE_BAND, STREAM_CAUSTIC_BAND, CAUSTIC);
+            b = with_band(b, lane.flux, golden(map_info.first_joton + number, sequence_seed(map_info.seed, 0u, stream)));
         }
         lane.flux *= albedo_at(b, lobe) / weight_of(weights, lobe);
         var next: LobeSample;

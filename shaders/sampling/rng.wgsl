@@ -36,6 +36,11 @@ fn seed_at(seed: u32, high: u32) -> u32 {
     return seed ^ (high * 0x9e3779b1u);
 }
 
+// Number `index` of a sequence in [0, 1) that any part of is even: multiples of the golden ratio from a random start.
+fn golden(index: u32, seed: u32) -> f32 {
+    return unit(seed + index * 0x9e3779b9u);
+}
+
 // The sum in 64 bits, the low word first.
 fn wide_sum(a: vec2<u32>, b: u32) -> vec2<u32> {
     let low = a.x + b;
@@ -100,6 +105,12 @@ const STREAM_GLINT_JITTER: u32 = 7u;
 const STREAM_INDIRECT: u32 = 8u;
 const STREAM_INDIRECT_LIGHT: u32 = 9u;
 const STREAM_INDIRECT_LATER_LIGHT: u32 = 10u;
+// The band that a path is transmitted in, one number a path.
+const STREAM_EYE_BAND: u32 = 11u;
+const STREAM_GLINT_BAND: u32 = 12u;
+const STREAM_INDIRECT_BAND: u32 = 13u;
+const STREAM_CAUSTIC_BAND: u32 = 14u;
+const STREAM_DIFFUSE_BAND: u32 = 15u;
 // Dimensions of hashed numbers: one for each event of a path, in a range for each kind of path.
 const DIMENSION_EYE: u32 = 0u;
 const DIMENSION_DIRECT: u32 = 0x10000u;

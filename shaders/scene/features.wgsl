@@ -4,6 +4,10 @@ override HAS_SMOOTH: bool = true;
 override HAS_SPECULAR: bool = true;
 override HAS_DIELECTRIC: bool = true;
 override HAS_GLOSSY: bool = true;
+// What the bands are differs from pass to pass.
+override HAS_WAVELENGTHS: bool = true;
+// Some dielectric has an index that differs between the bands.
+override HAS_DISPERSION: bool = true;
 override HAS_PATH_FILTER: bool = true;
 // Some emitter has a warp.
 override HAS_WARPS: bool = true;

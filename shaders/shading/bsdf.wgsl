@@ -12,7 +12,9 @@ struct Bsdf {
     geometric: vec3<f32>,
     shading: vec3<f32>,
     // Of an interface, by Fresnel; else 0.
-    reflectance: f32,
+    reflectance: Bands,
+    // Factor on what is transmitted: one, but where bands part [E36].
+    parted: Bands,
 }
 
 fn bsdf_at(s: Surface, direction: vec3<f32>) -> Bsdf {
@@ -20,7 +22,23 @@ fn bsdf_at(s: Surface, direction: vec3<f32>) -> Bsdf {
     let from_front = dot(direction, s.front) < 0.0;
     let geometric = s.front * select(-1.0, 1.0, from_front);
     let shading = facing_normal(s, direction, geometric);
-    return Bsdf(m, direction, from_front, geometric, shading, dielectric_reflectance(m, shading, direction, from_front));
+    let reflectance = dielectric_reflectance(m, shading, direction, from_front);
+    return Bsdf(m, direction, from_front, geometric, shading, reflectance, Bands(1.0));
+}
+
+// Where bands part, one of them is transmitted, picked by what of each would be: p = c / Σc [E36]. u in [0, 1), one number for a path:
+// from then on there is one band to pick.
+fn with_band(b: Bsdf, carried: Bands, u: f32) -> Bsdf {
+    var picked = b;
+    if !parts_bands(b.material) {
+        return picked;
+    }
+    let transmitted = carried * lobe_albedo(b.material, LOBE_TRANSMISSION, b.reflectance);
+    let band = picked_band(transmitted, u);
+    picked.material.ior = b.material.iors[band];
+    picked.parted = Bands(0.0);
+    picked.parted[band] = select(0.0, dot(transmitted, Bands(1.0)) / transmitted[band], transmitted[band] > 0.0);
+    return picked;
 }
 
 // The shading normal on the side of -direction; the geometric one where the two disagree about the side.
@@ -43,7 +61,11 @@ fn roulette_at(b: Bsdf, carried: Bands, events: u32) -> LobeWeights {
 }
 
 fn albedo_at(b: Bsdf, lobe: u32) -> Bands {
-    return lobe_albedo(b.material, lobe, b.reflectance);
+    let albedo = lobe_albedo(b.material, lobe, b.reflectance);
+    if HAS_DISPERSION && lobe == LOBE_TRANSMISSION {
+        return albedo * b.parted;
+    }
+    return albedo;
 }
 
 fn sample_at(b: Bsdf, lobe: u32, u: vec2<f32>) -> LobeSample {

@@ -38,11 +38,53 @@ fn relative_index(m: PackedMaterial, from_front: bool) -> f32 {
     return select(select(m.ior, 1.0 / m.ior, from_front), 1.0, is_thin(m));
 }
 
-fn dielectric_reflectance(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: bool) -> f32 {
-    if !is_dielectric(m) {
-        return 0.0;
+// True where the index differs between the bands [E36].
+fn is_dispersive(m: PackedMaterial) -> bool {
+    return HAS_DISPERSION && (m.flag_bits & DISPERSIVE) != 0u;
+}
+
+// True where bands part: what a thin pane transmits is not bent.
+fn parts_bands(m: PackedMaterial) -> bool {
+    return is_dispersive(m) && !is_thin(m);
+}
+
+// The band that u in [0, 1) picks, each in proportion to what of it is transmitted; the first where nothing is.
+fn picked_band(transmitted: Bands, u: f32) -> u32 {
+    var rest = u * dot(transmitted, Bands(1.0));
+    var band = 0u;
+    var is_found = false;
+    for (var k = 0u; k < BANDS; k += 1u) {
+        // never one of which nothing is, whatever rounding says
+        if !is_found && transmitted[k] > 0.0 {
+            band = k;
+            is_found = rest < transmitted[k];
+            rest -= transmitted[k];
+        }
     }
-    let face = fresnel(min(1.0, -dot(direction, n)), select(1.0 / relative_index(m, from_front), m.ior, is_thin(m)));
+    return band;
+}
+
+// Of an interface, per band; 0 where there is none.
+fn dielectric_reflectance(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: bool) -> Bands {
+    if !is_dielectric(m) {
+        return Bands(0.0);
+    }
+    let cosine = min(1.0, -dot(direction, n));
+    if is_dispersive(m) {
+        var reflectance = Bands(0.0);
+        var one = m;
+        for (var band = 0u; band < BANDS; band += 1u) {
+            one.ior = m.iors[band];
+            reflectance[band] = reflectance_of_one(one, cosine, from_front);
+        }
+        return reflectance;
+    }
+    return Bands(reflectance_of_one(m, cosine, from_front));
+}
+
+// By the index `ior`.
+fn reflectance_of_one(m: PackedMaterial, cosine: f32, from_front: bool) -> f32 {
+    let face = fresnel(cosine, select(1.0 / relative_index(m, from_front), m.ior, is_thin(m)));
     return select(face, 2.0 * face / (1.0 + face), is_thin(m));
 }
 

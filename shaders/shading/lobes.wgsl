@@ -35,7 +35,7 @@ fn is_narrow(m: PackedMaterial) -> bool {
 }
 
 // Reflectance or transmittance of a lobe, per band; `reflectance` is the interface's, by Fresnel.
-fn lobe_albedo(m: PackedMaterial, lobe: u32, reflectance: f32) -> Bands {
+fn lobe_albedo(m: PackedMaterial, lobe: u32, reflectance: Bands) -> Bands {
     switch lobe {
         case LOBE_LAMBERT: { return m.diffuse; }
         case LOBE_PHONG: { return m.glossy; }
@@ -46,7 +46,7 @@ fn lobe_albedo(m: PackedMaterial, lobe: u32, reflectance: f32) -> Bands {
 }
 
 // Of all lobes together.
-fn total_albedo(m: PackedMaterial, reflectance: f32) -> Bands {
+fn total_albedo(m: PackedMaterial, reflectance: Bands) -> Bands {
     let delta = select(m.specular, m.specular * reflectance + m.transmission * (1.0 - reflectance), is_dielectric(m));
     return m.diffuse + m.glossy + delta;
 }
@@ -61,12 +61,12 @@ struct LobeWeights {
 }
 
 // Part of the flux that takes each lobe, as max over bands of (albedo × carried) / max of carried.
-fn lobe_weights(m: PackedMaterial, carried: Bands, reflectance: f32) -> LobeWeights {
+fn lobe_weights(m: PackedMaterial, carried: Bands, reflectance: Bands) -> LobeWeights {
     let scale = 1.0 / max(max_band(carried), 1e-37);
     var w = LobeWeights(0.0, 0.0, 0.0, 0.0, 0.0);
     if is_dielectric(m) {
-        w.reflection = reflectance * max_band(m.specular * carried) * scale;
-        w.transmission = (1.0 - reflectance) * max_band(m.transmission * carried) * scale;
+        w.reflection = max_band(reflectance * (m.specular * carried)) * scale;
+        w.transmission = max_band((1.0 - reflectance) * (m.transmission * carried)) * scale;
         return w;
     }
     w.lambert = max_band(m.diffuse * carried) * scale;

@@ -1,5 +1,6 @@
 //! `joton bench SCENE…`: error over time on each device.
 
+use super::render::Spectral;
 use super::versus::{Peer, Versus};
 use super::{DONE, INTERRUPTED, device, interrupt, memory, say, tell};
 use clap::Args;
@@ -59,6 +60,9 @@ pub(super) struct BenchArguments {
     /// Do what the scene does not need, too: all, or names as `joton plan` tells them.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     no_skip: Vec<String>,
+    /// Render by wavelength, as for `joton render`.
+    #[arg(long, default_value = "auto")]
+    spectral: Spectral,
     /// Measure what each kernel takes, too (a little slower): PREFIX.kernels.csv.
     #[arg(long)]
     timings: bool,
@@ -229,6 +233,7 @@ fn load(
     versus: Option<(&Versus, usize)>,
 ) -> Result<Loaded> {
     let mut scene = joton::scene::load(file)?;
+    a.spectral.set(&mut scene);
     if let Some(size) = a.size {
         scene.resize(size);
     }

@@ -1,5 +1,6 @@
 //! `joton export SCENE -o OUT.xml`: the scene as other renderers read it.
 
+use super::render::Spectral;
 use super::{DONE, tell};
 use clap::Args;
 use joton::output::{self, export};
@@ -17,6 +18,9 @@ pub(super) struct ExportArguments {
     /// Image size, instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
     size: Option<[u32; 2]>,
+    /// Write a scene that is rendered by wavelength; what is stated so can only be written as red, green and blue (off).
+    #[arg(long, default_value = "auto")]
+    spectral: Spectral,
 }
 
 pub(super) fn run(a: &ExportArguments) -> Result<u8> {
@@ -26,6 +30,7 @@ pub(super) fn run(a: &ExportArguments) -> Result<u8> {
     }
     output::check_writable(&a.output)?;
     let mut scene = joton::scene::load(&a.scene)?;
+    a.spectral.set(&mut scene);
     if let Some(size) = a.size {
         scene.resize(size);
     }

@@ -65,6 +65,7 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
     }
 
     let mut scene = joton::scene::load(&arguments.scene)?;
+    arguments.spectral.set(&mut scene);
     output::check_not_read(written(), &scene.files)?;
     check_scene(&parts[0], &scene.files)?;
     if let Some(size) = arguments.size {

@@ -1,7 +1,7 @@
 //! `joton plan SCENE`: what the scene needs, what is skipped and why.
 
 use super::memory::{self, mebibytes};
-use super::render::Switch;
+use super::render::{Spectral, Switch};
 use super::{DONE, pack, say, say_json};
 use clap::Args;
 use joton::Result;
@@ -12,6 +12,7 @@ use joton::plan::kernels::Kernel;
 use joton::plan::model::{GpuModel, Prediction};
 use joton::plan::process_memory::{Place, ProcessMemory};
 use joton::plan::{Plan, Settings};
+use joton::scene::{Scene, WavelengthReason};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -35,6 +36,9 @@ pub(super) struct PlanArguments {
     /// Share light on surfaces with neighbouring pixels when the picture is made.
     #[arg(long, default_value = "on")]
     resolve: Switch,
+    /// Render by wavelength, as for `joton render`.
+    #[arg(long, default_value = "auto")]
+    spectral: Spectral,
     /// What a pass would take on a GPU, by a model: rtx-4070, h200, or bytes and rays a second, like 0.5T,1.5G.
     #[arg(long, value_name = "GPU")]
     model: Option<String>,
@@ -47,6 +51,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let model = a.model.as_deref().map(GpuModel::parse).transpose()?;
     memory::bound(a.memory);
     let mut scene = joton::scene::load(&a.scene)?;
+    a.spectral.set(&mut scene);
     if let Some(size) = a.size {
         scene.resize(size);
     }
@@ -79,6 +84,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "emitters": packed.emitters.len(),
             "out_of_reach": packed.out_of_reach,
             "layers": layers,
+            "bands": bands(&scene),
             "indirect": plan.indirect.name(),
             "caustic_jotons": plan.caustic_jotons,
             "diffuse_jotons": plan.diffuse_jotons,
@@ -111,6 +117,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
         say(format_args!("out of reach: {triangles} triangles, {lights} lights that are no surfaces"));
     }
     say(format_args!("layers: {}", layers.join(", ")));
+    say(format_args!("bands: {}", bands(&scene)));
     for (what, jotons, schedule) in [
         ("caustic map", plan.caustic_jotons, &plan.caustic),
         ("diffuse map", plan.diffuse_jotons, &plan.diffuse),
@@ -235,5 +242,16 @@ fn table<const N: usize>(heads: [&str; N], lines: impl Iterator<Item = [String; 
             })
             .collect();
         say(format_args!("  {}", cells.join("  ").trim_end()));
+    }
+}
+
+/// What the bands are, in words.
+fn bands(scene: &Scene) -> &'static str {
+    match (scene.wavelengths.are_rendered, scene.asks_for_wavelengths()) {
+        (false, _) => "red, green and blue",
+        (true, Some(WavelengthReason::Dispersion)) => "three wavelengths a pass, since glass parts colours",
+        (true, Some(WavelengthReason::Lines)) => "three wavelengths a pass, since lamps shine in lines",
+        (true, Some(WavelengthReason::Spectra)) => "three wavelengths a pass, since spectra are stated",
+        (true, None) => "three wavelengths a pass, as asked for",
     }
 }

@@ -12,7 +12,7 @@ use joton::output::report::{Circumstances, KernelTime, Report};
 use joton::output::{self, display, exr, png};
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
 use joton::render::{Failure, PassRange, Progress, Reason, RenderState, Rendered, Stop};
-use joton::scene::Mesh;
+use joton::scene::{Mesh, Scene};
 use joton::{Error, Result};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -65,6 +65,10 @@ pub(super) struct RenderArguments {
     /// Share light on surfaces with neighbouring pixels when the picture is made.
     #[arg(long, default_value = "on")]
     resolve: Switch,
+    /// Render by wavelength: auto where the scene has spectra, dispersion or lamps of lines.
+    #[arg(long, default_value = "auto")]
+    #[serde(default)]
+    pub(super) spectral: Spectral,
     /// Memory of the whole process, device included, at most, e.g. 512M or 2G [default: what there is].
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
@@ -101,6 +105,28 @@ pub(super) enum Switch {
     Off,
 }
 
+/// Whether a scene is rendered by wavelength.
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize,
+)]
+pub(super) enum Spectral {
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+impl Spectral {
+    /// Set it in a scene, which says itself whether it asks for wavelengths.
+    pub(super) fn set(self, scene: &mut Scene) {
+        match self {
+            Self::Auto => {}
+            Self::On => scene.wavelengths.are_rendered = true,
+            Self::Off => scene.wavelengths.are_rendered = false,
+        }
+    }
+}
+
 impl RenderArguments {
     /// What changes the plan.
     pub(super) fn settings(&self) -> Result<Settings> {
@@ -126,6 +152,7 @@ impl RenderArguments {
             ("--no-skip", self.no_skip == other.no_skip),
             ("--resolve", self.resolve == other.resolve),
             ("--memory", self.memory == other.memory),
+            ("--spectral", self.spectral == other.spectral),
         ];
         same.into_iter().find(|(_, is_same)| !is_same).map(|(name, _)| name)
     }
@@ -163,6 +190,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     narrator.step("reading the scene");
     memory::bound(a.memory);
     let mut scene = joton::scene::load(&a.scene)?;
+    a.spectral.set(&mut scene);
     setup.lap("reading");
     output::check_not_read(written(), &scene.files)?;
     if let Some(size) = a.size {

@@ -157,6 +157,7 @@ mod tests {
             mesh,
             materials: vec![Material::matte("m", [0.5; 3])],
             lights: Vec::new(),
+            wavelengths: Default::default(),
             warnings: Vec::new(),
             files: Vec::new(),
         })

@@ -103,6 +103,15 @@ impl PackedEmitter {
     }
 }
 
+/// Where the light of an emitter comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Source {
+    /// Number of the emission: of a material, or past all of them of a light.
+    pub(super) emission: u32,
+    /// [`PackedEmitter::strength`] over what the emission says: 1 / `world_scale`² for an intensity.
+    pub(super) scale: f32,
+}
+
 /// Lights farther than this from the middle of the scene send jotons into the cone that holds the scene, internal units.
 pub const FAR: f32 = 2.0 * SCENE_RADIUS;
 
@@ -224,15 +233,16 @@ fn cone(
     emitter(kind, origin.as_vec3(), axis.as_vec3(), e2, starts as f32, intensity, sent)
 }
 
-/// All emitters; numbers the emissive triangles on the way. Emitters without flux are dropped.
+/// All emitters, and where the light of each comes from; numbers the emissive triangles on the way. Emitters without flux are dropped.
 pub(super) fn pack(
     scene: &Scene,
     triangles: &mut [PackedTriangle],
     world_scale: f64,
     to_internal: impl Fn(DVec3) -> DVec3,
     bounds: [Vec3; 2],
-) -> Vec<PackedEmitter> {
+) -> (Vec<PackedEmitter>, Vec<Source>) {
     let mut emitters: Vec<PackedEmitter> = Vec::new();
+    let mut sources: Vec<Source> = Vec::new();
     for t in triangles.iter_mut() {
         let emission = scene.materials[t.material as usize].emission;
         let area = t.area();
@@ -242,11 +252,12 @@ pub(super) fn pack(
         }
         t.emitter = emitters.len() as u32;
         emitters.push(emitter(EmitterKind::Triangle, t.v0, t.e1, t.e2, area, emission, PI * f64::from(area)));
+        sources.push(Source { emission: t.material, scale: 1.0 });
     }
     let scene_radius = f64::from(0.5 * (bounds[1] - bounds[0]).length() * SUN_MARGIN);
     // W/sr in internal units: lengths are divided by world_scale, so flux is by its square
     let per_area = (1.0 / (world_scale * world_scale)) as f32;
-    for light in &scene.lights {
+    for (i, light) in scene.lights.iter().enumerate() {
         let e = match *light {
             Light::Point { position, intensity } => {
                 point(to_internal(position), scale(&intensity, per_area), scene_radius)
@@ -269,11 +280,13 @@ pub(super) fn pack(
         };
         if !is_black(&e.flux) {
             emitters.push(e);
+            let scale = if matches!(light, Light::Sun { .. }) { 1.0 } else { per_area };
+            sources.push(Source { emission: (scene.materials.len() + i) as u32, scale });
         }
     }
     let flux: Vec<f64> = emitters.iter().map(|e| sum(&e.flux)).collect();
     set_picks(&mut emitters, |i| flux[i]);
-    emitters
+    (emitters, sources)
 }
 
 fn emitter(

@@ -6,7 +6,7 @@
 //! other. A point that it winds about at all is cut off by it from everything outside its bounds, however its triangles lie.
 
 use super::PackedScene;
-use crate::scene::{Light, LightPlace, Mesh, Scene, Triangle};
+use crate::scene::{Light, LightPlace, Mesh, Scene, Triangle, Wavelengths};
 use glam::{DVec3, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::PI;
@@ -70,14 +70,20 @@ pub(super) fn within_reach(scene: &Scene, packed: &PackedScene, order: &[u32]) -
         !is_outside(a.min(b).min(c), a.max(b).max(c))
     };
     let triangles: Vec<Triangle> = scene.mesh.triangles.iter().filter(is_kept).copied().collect();
-    let lights: Vec<Light> = scene.lights.iter().filter(|light| !is_lost(light)).copied().collect();
+    let kept: Vec<usize> = (0..scene.lights.len()).filter(|&i| !is_lost(&scene.lights[i])).collect();
+    let lights: Vec<Light> = kept.iter().map(|&i| scene.lights[i]).collect();
     if triangles.len() == scene.mesh.triangles.len() && lights.len() == scene.lights.len() {
         return None;
     }
     let mesh = Mesh { positions: positions.clone(), normals: scene.mesh.normals.clone(), triangles };
     let (materials, warnings) = (scene.materials.clone(), scene.warnings.clone());
     let files = scene.files.clone();
-    Some(Scene { camera: scene.camera, size: scene.size, mesh, materials, lights, warnings, files })
+    let wavelengths = Wavelengths {
+        lights: kept.iter().map(|&i| scene.spectrum_of_light(i).cloned()).collect(),
+        ..scene.wavelengths
+    };
+    let (camera, size) = (scene.camera, scene.size);
+    Some(Scene { camera, size, mesh, materials, lights, wavelengths, warnings, files })
 }
 
 impl Walls<'_> {

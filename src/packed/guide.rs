@@ -46,6 +46,11 @@ impl Guide {
         Self { emitters, warps, gain }
     }
 
+    /// The same guide with what `change` makes of its emitters, one by one.
+    pub fn with(&self, change: impl FnOnce(&[PackedEmitter]) -> Vec<PackedEmitter>) -> Self {
+        Self { emitters: change(&self.emitters), ..self.clone() }
+    }
+
     /// The emitters that are picked from; `scene` where nothing was learned.
     pub fn emitters<'a>(&'a self, scene: &'a [PackedEmitter]) -> &'a [PackedEmitter] {
         if self.is_empty() { scene } else { &self.emitters }

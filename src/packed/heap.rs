@@ -23,7 +23,7 @@ gpu_struct! {
         pub triangles: u32,
         /// Normals of smooth triangles, a word each.
         pub normals: u32,
-        /// Materials, 5 words each.
+        /// Materials, 6 words each.
         pub materials: u32,
         /// Emitters, 5 words each, with the probabilities by which this kernel picks them.
         pub emitters: u32,
@@ -122,6 +122,17 @@ impl HeapLayout {
         SceneInfo { emitters: self.first.emitters + number as u32 * self.list as u32, ..self.first }
     }
 
+    /// The sections that depend on what the bands are: materials, and the lists of emitters in their order.
+    pub fn in_bands<'a>(
+        &self,
+        scene: &'a PackedScene,
+        lists: Vec<&'a [PackedEmitter]>,
+    ) -> impl Iterator<Item = (u32, &'a [u8])> {
+        let emitters = (0..lists.len()).map(|i| self.info(i).emitters).collect::<Vec<u32>>();
+        let lists = emitters.into_iter().zip(lists.into_iter().map(bytemuck::cast_slice));
+        std::iter::once((self.first.materials, bytemuck::cast_slice(&scene.materials))).chain(lists)
+    }
+
     /// Every section of a scene, or a part of one: its first word and its bytes. `lists` are the lists of emitters in their order.
     pub fn sections<'a>(
         &self,
@@ -130,22 +141,19 @@ impl HeapLayout {
     ) -> impl Iterator<Item = (u32, Cow<'a, [u8]>)> {
         /// Triangles whose normals are encoded together.
         const AT_ONCE: usize = 1 << 16;
-        let SceneInfo { nodes, triangles, normals, materials, .. } = self.first;
-        let emitters = (0..lists.len()).map(|i| self.info(i).emitters).collect::<Vec<u32>>();
+        let SceneInfo { nodes, triangles, normals, .. } = self.first;
         let plain = [
             (nodes, Cow::Borrowed(bytemuck::cast_slice(scene.bvh.nodes()))),
             (triangles, Cow::Borrowed(bytemuck::cast_slice(&scene.triangles))),
-            (materials, Cow::Borrowed(bytemuck::cast_slice(&scene.materials))),
         ];
-        let lists =
-            emitters.into_iter().zip(lists.into_iter().map(|l| Cow::Borrowed(bytemuck::cast_slice(l))));
+        let in_bands = self.in_bands(scene, lists).map(|(first, bytes)| (first, Cow::Borrowed(bytes)));
         let normals = scene.shading_normals.chunks(AT_ONCE).enumerate().map(move |(i, some)| {
             let bytes = |n: &[Vec3; 3]| {
                 bytemuck::cast::<PackedNormals, [u8; size_of::<PackedNormals>()]>(pack_normals(*n))
             };
             (normals + (i * AT_ONCE) as u32, Cow::Owned(some.iter().flat_map(bytes).collect()))
         });
-        plain.into_iter().chain(lists).chain(normals)
+        plain.into_iter().chain(in_bands).chain(normals)
     }
 
     /// Bytes of the heap.

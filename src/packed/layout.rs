@@ -42,6 +42,12 @@ gpu_struct! {
         pub glint_turns: u32,
         /// Padding.
         pub pad0: u32,
+        /// Red of each band, the bands in the first components, where they differ from pass to pass \[E34\] …
+        pub red: Vec4,
+        /// … green …
+        pub green: Vec4,
+        /// … and blue.
+        pub blue: Vec4,
     }
 }
 

@@ -23,6 +23,7 @@ mod guide;
 pub mod heap;
 #[doc(hidden)]
 pub mod layout;
+mod spectra;
 mod surfaces;
 mod targets;
 mod visible_cells;
@@ -36,6 +37,7 @@ pub use doubts::doubts;
 pub use emitters::{EmitterKind, FAR, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use heap::{HEAP_WORD, HeapCounts, HeapLayout, PackedNormals, SceneInfo};
+pub use spectra::{PassBands, Spectra};
 pub use surfaces::{
     CLEAR, LAMP, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner,
 };
@@ -48,6 +50,7 @@ use crate::packed::accel::Bvh;
 use crate::scene::{Scene, Triangle};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Bytes of memory that packing a triangle takes: measured with one and with five million of them, hierarchy included.
 const BYTES_PER_TRIANGLE: u64 = 362;
@@ -86,11 +89,11 @@ pub struct PackedScene {
     /// Image width and height, pixels.
     pub size: [u32; 2],
     /// The hierarchy over `triangles`.
-    pub bvh: Bvh,
+    pub bvh: Arc<Bvh>,
     /// Triangles in leaf order.
-    pub triangles: Vec<PackedTriangle>,
+    pub triangles: Arc<Vec<PackedTriangle>>,
     /// Unit shading normals at the vertices, one entry a triangle; empty where every triangle is flat.
-    pub shading_normals: Vec<[Vec3; 3]>,
+    pub shading_normals: Arc<Vec<[Vec3; 3]>>,
     /// Materials, indexed by [`PackedTriangle::material`].
     pub materials: Vec<PackedMaterial>,
     /// Everything that emits, with cumulative probabilities proportional to flux.
@@ -105,6 +108,8 @@ pub struct PackedScene {
     pub diffuse_area: f64,
     /// Some faces may lie in one place: which of them a ray meets is to be asked \[E27\].
     pub has_contacts: bool,
+    /// The scene by wavelength, where it is rendered so; its bands are red, green and blue else.
+    pub spectra: Option<Arc<Spectra>>,
     /// What the scene has beside this.
     pub out_of_reach: OutOfReach,
 }
@@ -164,13 +169,18 @@ impl PackedScene {
         let materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &turned, &order);
         let internal_bounds = [to_internal(lo), to_internal(hi)];
-        let emitters = emitters::pack(scene, &mut triangles, world_scale, internal, internal_bounds);
+        let (emitters, sources) =
+            emitters::pack(scene, &mut triangles, world_scale, internal, internal_bounds);
         let total_flux = std::array::from_fn(|b| emitters.iter().map(|e| f64::from(e.flux[b])).sum::<f64>());
         let diffuse_area = triangles
             .iter()
             .filter(|t| materials[t.material as usize].flags().has_diffuse())
             .map(|t| f64::from(t.area()))
             .sum();
+        let spectra = scene
+            .wavelengths
+            .are_rendered
+            .then(|| Arc::new(Spectra::new(scene, &materials, &emitters, sources)));
         let targets = targets::find(&triangles, &materials);
         let has_contacts = contacts::any(&bvh, &triangles);
         let packed = Self {
@@ -178,9 +188,9 @@ impl PackedScene {
             world_center,
             camera: PackedCamera::new(&scene.camera, internal(scene.camera.position)),
             size: scene.size,
-            bvh,
-            triangles,
-            shading_normals,
+            bvh: Arc::new(bvh),
+            triangles: Arc::new(triangles),
+            shading_normals: Arc::new(shading_normals),
             materials,
             emitters,
             total_flux,
@@ -188,6 +198,7 @@ impl PackedScene {
             bounds: internal_bounds,
             diffuse_area,
             has_contacts,
+            spectra,
             out_of_reach: OutOfReach::default(),
         };
         (packed, order)

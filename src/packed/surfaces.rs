@@ -96,15 +96,17 @@ impl MaterialFlags {
     pub(crate) const DIELECTRIC: u32 = 8;
     pub(crate) const EMISSIVE: u32 = 16;
     pub(crate) const THIN: u32 = 32;
+    pub(crate) const DISPERSIVE: u32 = 64;
 
     /// Name and value of each bit, as the kernels know it.
-    pub(super) const NAMED: [(&str, u32); 6] = [
+    pub(super) const NAMED: [(&str, u32); 7] = [
         ("DIFFUSE", Self::DIFFUSE),
         ("GLOSSY", Self::GLOSSY),
         ("SPECULAR", Self::SPECULAR),
         ("DIELECTRIC", Self::DIELECTRIC),
         ("EMISSIVE", Self::EMISSIVE),
         ("THIN", Self::THIN),
+        ("DISPERSIVE", Self::DISPERSIVE),
     ];
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
@@ -131,6 +133,10 @@ impl MaterialFlags {
     pub fn is_thin(self) -> bool {
         self.0 & Self::THIN != 0
     }
+    /// The index differs between the bands \[E36\].
+    pub fn is_dispersive(self) -> bool {
+        self.0 & Self::DISPERSIVE != 0
+    }
     /// The front emits.
     pub fn is_emissive(self) -> bool {
         self.0 & Self::EMISSIVE != 0
@@ -138,7 +144,7 @@ impl MaterialFlags {
 }
 
 gpu_struct! {
-    /// A material, 80 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
+    /// A material, 96 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
     pub struct PackedMaterial {
         /// Lambertian reflectance.
         pub diffuse: Bands,
@@ -158,8 +164,12 @@ gpu_struct! {
         pub specular_exponent: f32,
         /// Radiance emitted from the front, W/(m² sr).
         pub emission: Bands,
+        /// Padding.
+        pub pad0: u32,
+        /// `ior` in each band, where it differs between them.
+        pub iors: Bands,
     }
-    words 5 * BANDS + 4
+    words 6 * BANDS + 5
 }
 
 impl PackedMaterial {
@@ -188,6 +198,8 @@ impl PackedMaterial {
             transmission: d.map_or(BLACK, |d| d.transmission_tint),
             specular_exponent: if followed && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
+            pad0: 0,
+            iors: [d.map_or(1.0, |d| d.ior); BANDS],
             pad: Default::default(),
         }
     }
@@ -195,6 +207,16 @@ impl PackedMaterial {
     /// True for a lobe of finite width that is followed as a mirror is.
     pub fn has_narrow_lobe(&self) -> bool {
         self.specular_exponent > 0.0
+    }
+
+    /// Mark it as one whose index differs between the bands: `iors` says how \[E36\].
+    pub(crate) fn set_dispersive(&mut self) {
+        self.flag_bits |= MaterialFlags::DISPERSIVE;
+    }
+
+    /// True where light of different bands takes different ways on: what a thin pane transmits is not bent.
+    pub fn parts_bands(&self) -> bool {
+        self.flags().is_dispersive() && !self.flags().is_thin()
     }
 
     /// What the material can do.

@@ -14,6 +14,10 @@ pub struct Features {
     pub specular: bool,
     /// Some surface is a dielectric.
     pub dielectric: bool,
+    /// What the bands are differs from pass to pass.
+    pub wavelengths: bool,
+    /// Some dielectric's index differs between the bands.
+    pub dispersion: bool,
     /// Some surface has a glossy lobe.
     pub glossy: bool,
     /// Some emitter is not a triangle.
@@ -39,6 +43,12 @@ impl Features {
                 Part::Refraction,
                 Reason::NoDielectric,
             ),
+            wavelengths: scene.spectra.is_some(),
+            dispersion: needs(
+                scene.spectra.as_ref().is_some_and(|spectra| spectra.disperses()),
+                Part::Dispersion,
+                Reason::NothingDisperses,
+            ),
             glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
             smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
             delta_lights: needs(
@@ -52,11 +62,13 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 7] {
+    pub fn named(&self) -> [(&'static str, bool); 9] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
             ("HAS_DIELECTRIC", self.dielectric),
+            ("HAS_WAVELENGTHS", self.wavelengths),
+            ("HAS_DISPERSION", self.dispersion),
             ("HAS_GLOSSY", self.glossy),
             ("HAS_DELTA_LIGHTS", self.delta_lights),
             ("HAS_CONTACTS", self.contacts),

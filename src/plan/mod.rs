@@ -6,6 +6,7 @@ mod facts;
 mod features;
 pub mod grid;
 mod guiding;
+mod in_bands;
 pub mod kernels;
 pub mod map_layout;
 pub mod model;
@@ -17,6 +18,7 @@ mod technique;
 pub mod traffic;
 
 pub use features::Features;
+pub use in_bands::InBands;
 pub use pilot::Pilot;
 use skip::Skips;
 pub use skip::{Part, Reason, Skip};

@@ -20,6 +20,8 @@ pub enum Part {
     Mirrors,
     /// Code for refraction.
     Refraction,
+    /// Code for bands that part where the index of refraction differs between them.
+    Dispersion,
     /// Code for glossy lobes.
     GlossyLobes,
     /// Code and buffer for shading normals.
@@ -70,6 +72,8 @@ pub enum Reason {
     NoMirror,
     /// No surface refracts.
     NoDielectric,
+    /// No index of refraction depends on the wavelength, or no wavelengths are rendered.
+    NothingDisperses,
     /// No surface is glossy.
     NoGlossySurface,
     /// No triangle has shading normals.
@@ -109,7 +113,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 19] = [
+    pub const ALL: [Part; 20] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -117,6 +121,7 @@ impl Part {
         Part::DiffuseMap,
         Part::Mirrors,
         Part::Refraction,
+        Part::Dispersion,
         Part::GlossyLobes,
         Part::ShadingNormals,
         Part::DeltaLights,
@@ -141,6 +146,7 @@ impl Part {
             Part::DiffuseMap => "diffuse-map",
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
+            Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy-lobes",
             Part::ShadingNormals => "shading-normals",
             Part::DeltaLights => "delta-lights",
@@ -166,6 +172,7 @@ impl Part {
             Part::DiffuseMap => "diffuse map",
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
+            Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy lobes",
             Part::ShadingNormals => "shading normals",
             Part::DeltaLights => "point, spot and sun lights",
@@ -212,6 +219,7 @@ impl Reason {
             Reason::ExcludedByPaths => "--paths excludes it",
             Reason::NoMirror => "no surface mirrors",
             Reason::NoDielectric => "no surface refracts",
+            Reason::NothingDisperses => "no surface bends one wavelength more than another",
             Reason::NoGlossySurface => "no surface is glossy",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
@@ -247,6 +255,7 @@ impl Reason {
             Reason::ExcludedByPaths => "--paths with such paths",
             Reason::NoMirror => "a mirror",
             Reason::NoDielectric => "a dielectric",
+            Reason::NothingDisperses => "a named glass, or an Abbe number",
             Reason::NoGlossySurface => "a glossy surface",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",

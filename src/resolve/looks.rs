@@ -121,6 +121,7 @@ mod tests {
             mesh,
             materials: vec![floor, Material::matte("ceiling", [0.8; BANDS])],
             lights: Vec::new(),
+            wavelengths: Default::default(),
             warnings: Vec::new(),
             files: Vec::new(),
         });

@@ -33,6 +33,11 @@ pub fn random4(seed: u32, pass: u32, path: u32, dimension: u32) -> [f32; 4] {
     pcg4d([path, dimension, pass, seed]).map(unit)
 }
 
+/// Number `index` of a sequence in [0, 1) that any part of is even: multiples of the golden ratio from a random start.
+pub fn golden(index: u32, seed: u32) -> f32 {
+    unit(seed.wrapping_add(index.wrapping_mul(0x9e37_79b9)))
+}
+
 /// A seed for one scrambled sequence: different for each stream (kernel and purpose) and path.
 pub fn sequence_seed(seed: u32, path: u32, stream: u32) -> u32 {
     pcg4d([path, stream, 0x9e37_79b9, seed])[3]

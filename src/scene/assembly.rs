@@ -1,7 +1,7 @@
 //! Assembly: meshes and shapes are put together, with the materials that they use.
 
 use super::glass::{self, Origin};
-use super::mtl::RawMaterial;
+use super::mtl::{RawMaterial, RawSpectra};
 use super::obj::{ObjFile, UsedMaterial};
 use super::scene_file::{Called, MadeOf, MaterialEntry};
 use super::warnings::{Named, Warnings, listed};
@@ -243,6 +243,15 @@ impl RawMaterial {
     /// This material with what another states in place of its own.
     fn overridden_by(self, other: &RawMaterial) -> RawMaterial {
         let textured = if other.kd.is_some() { None } else { self.map_kd };
+        // a statement replaces another whole, by wavelength or not
+        let theirs = other.spectra.clone();
+        let spectra = RawSpectra {
+            kd: if other.kd.is_some() { theirs.kd } else { self.spectra.kd.clone() },
+            ks: if other.ks.is_some() { theirs.ks } else { self.spectra.ks.clone() },
+            tf: if other.tf.is_some() { theirs.tf } else { self.spectra.tf.clone() },
+            ke: if other.ke.is_some() { theirs.ke } else { self.spectra.ke.clone() },
+            ni: if other.ni.is_some() { theirs.ni } else { self.spectra.ni.clone() },
+        };
         RawMaterial {
             file: other.file.clone(),
             line: other.line,
@@ -256,6 +265,7 @@ impl RawMaterial {
             ns: other.ns.or(if other.pr.is_some() { None } else { self.ns }),
             pr: other.pr.or(if other.ns.is_some() { None } else { self.pr }),
             map_kd: textured,
+            spectra,
             ..self
         }
     }

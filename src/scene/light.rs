@@ -2,8 +2,10 @@
 
 use crate::error::Result;
 use crate::scene::mtl::At;
+use crate::scene::spectrum_entry;
 use crate::scene::table::Table;
 use crate::spectrum::Bands;
+use crate::spectrum::lamp::Emission;
 use glam::DVec3;
 
 /// A light without a surface.
@@ -48,6 +50,14 @@ pub enum LightPlace {
 }
 
 impl Light {
+    /// Radiant intensity or irradiance, by its kind.
+    pub fn power(&self) -> Bands {
+        match *self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Sun { irradiance, .. } => irradiance,
+        }
+    }
+
     /// Where it is.
     pub fn place(&self) -> LightPlace {
         match *self {
@@ -64,26 +74,25 @@ const DEFAULT_SPOT: [f64; 2] = [20.0, 30.0];
 ///
 /// # Errors
 /// Line and remedy where the table says something else.
-pub(super) fn read(table: Table) -> Result<Light> {
+pub(super) fn read(table: Table) -> Result<(Light, Option<Emission>)> {
     let kind = table.string("kind")?;
     match kind.value.as_str() {
         "point" => {
             table.allow(&["kind", "position", "intensity"])?;
-            Ok(Light::Point {
-                position: table.vector("position")?.value,
-                intensity: power(&table, "intensity")?,
-            })
+            let (intensity, spectrum) = power(&table, "intensity")?;
+            Ok((Light::Point { position: table.vector("position")?.value, intensity }, spectrum))
         }
         "spot" => spot(table),
         "sun" => {
             table.allow(&["kind", "direction", "irradiance"])?;
-            Ok(Light::Sun { direction: direction(&table)?, irradiance: power(&table, "irradiance")? })
+            let (irradiance, spectrum) = power(&table, "irradiance")?;
+            Ok((Light::Sun { direction: direction(&table)?, irradiance }, spectrum))
         }
         other => Err(table.unknown(kind.line, "kind of light", other, &["point", "spot", "sun"])),
     }
 }
 
-fn spot(table: Table) -> Result<Light> {
+fn spot(table: Table) -> Result<(Light, Option<Emission>)> {
     table.allow(&["kind", "position", "direction", "target", "intensity", "angle_inner", "angle_outer"])?;
     let position = table.vector("position")?.value;
     let direction = match table.optional_vector("target")? {
@@ -117,13 +126,9 @@ fn spot(table: Table) -> Result<Light> {
         let what = format!("spot with half angles {} and {} degrees", angles[0], angles[1]);
         return Err(table.fault(line, &what, "give 0 <= angle_inner <= angle_outer <= 180"));
     }
-    Ok(Light::Spot {
-        position,
-        direction,
-        intensity: power(&table, "intensity")?,
-        angle_inner: angles[0].to_radians(),
-        angle_outer: angles[1].to_radians(),
-    })
+    let (intensity, spectrum) = power(&table, "intensity")?;
+    let [angle_inner, angle_outer] = angles.map(f64::to_radians);
+    Ok((Light::Spot { position, direction, intensity, angle_inner, angle_outer }, spectrum))
 }
 
 fn direction(table: &Table) -> Result<DVec3> {
@@ -134,8 +139,9 @@ fn direction(table: &Table) -> Result<DVec3> {
 }
 
 /// A quantity of light: required, and something in some band.
-fn power(table: &Table, key: &str) -> Result<Bands> {
-    let Some(At { value, line }) = table.bands(key)? else {
+fn power(table: &Table, key: &str) -> Result<(Bands, Option<Emission>)> {
+    let (stated, spectrum) = spectrum_entry::emission(table, key)?;
+    let Some(At { value, line }) = stated else {
         return Err(table.missing(key));
     };
     if crate::spectrum::is_black(&value) {
@@ -145,5 +151,5 @@ fn power(table: &Table, key: &str) -> Result<Bands> {
             "give a value above 0 or remove the light",
         ));
     }
-    Ok(value)
+    Ok((value, spectrum))
 }

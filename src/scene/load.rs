@@ -5,7 +5,7 @@ use super::obj::{self, ObjFile};
 use super::scene_file::{self, DEFAULT_SIZE, MeshEntry, ShapeEntry};
 use super::transform::Transform;
 use super::warnings::Warnings;
-use super::{Camera, Light, Scene, frame, validate};
+use super::{Camera, Light, Scene, Wavelengths, frame, validate};
 use crate::host::files;
 use crate::spectrum::BANDS;
 use crate::{Error, Result};
@@ -90,7 +90,11 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
         None => frame::frame(&mesh, &materials, &description.lights, size),
     };
     let warnings = warnings.into_lines();
-    Ok(Scene { camera, size, mesh, materials, lights: description.lights, warnings, files })
+    let wavelengths = Wavelengths { lights: description.light_spectra, are_rendered: false };
+    let lights = description.lights;
+    let mut scene = Scene { camera, size, mesh, materials, lights, wavelengths, warnings, files };
+    scene.wavelengths.are_rendered = scene.asks_for_wavelengths().is_some();
+    Ok(scene)
 }
 
 fn load_obj(path: &Path) -> Result<Scene> {
@@ -110,7 +114,8 @@ fn load_obj(path: &Path) -> Result<Scene> {
         warnings.add(path, None, "no light; a point light is put at the camera");
         lights.push(headlight(&camera));
     }
-    Ok(Scene { camera, size, mesh, materials, lights, warnings: warnings.into_lines(), files })
+    let wavelengths = Wavelengths::default();
+    Ok(Scene { camera, size, mesh, materials, lights, wavelengths, warnings: warnings.into_lines(), files })
 }
 
 /// Bytes of memory that a triangle of a shape takes while it is made, at least: its own, and its share of corners and normals, twice.

@@ -1,6 +1,8 @@
 //! Materials: what happens to light at a surface.
 
+use super::MaterialSpectra;
 use crate::spectrum::{BLACK, Bands, is_black};
+use std::sync::Arc;
 
 /// A surface. An opaque one reflects `diffuse` + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
 /// but reflects and transmits by Fresnel.
@@ -22,6 +24,8 @@ pub struct Material {
     pub thin: bool,
     /// Radiance emitted from the front, W/(m² sr) per band.
     pub emission: Bands,
+    /// What of this is stated by wavelength; its bands say what it is in red, green and blue.
+    pub spectra: Option<Arc<MaterialSpectra>>,
 }
 
 /// A smooth boundary between vacuum (outside, where the normal points) and a transparent body (inside).
@@ -47,6 +51,7 @@ impl Material {
             dielectric: None,
             thin: false,
             emission: BLACK,
+            spectra: None,
         }
     }
 

@@ -16,6 +16,8 @@ mod polygon;
 mod rule;
 mod scene_file;
 mod shape;
+mod spectra;
+mod spectrum_entry;
 mod table;
 mod text;
 mod transform;
@@ -27,6 +29,7 @@ pub use camera::Camera;
 pub use light::{Light, LightPlace};
 pub use load::{check_format, load};
 pub use material::{Dielectric, Material};
+pub use spectra::{MaterialSpectra, WavelengthReason, Wavelengths};
 pub(crate) use warnings::quoted;
 pub(crate) use weld::Surface as GlassSurface;
 
@@ -46,6 +49,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Lights beside the emissive triangles.
     pub lights: Vec<Light>,
+    /// What is said by wavelength beside the materials, and whether the scene is rendered so.
+    pub wavelengths: Wavelengths,
     /// What was repaired or ignored on the way in, one line each ("box.obj:14: …").
     pub warnings: Vec<String>,
     /// The files that were read: the scene, its meshes, their material libraries.

@@ -6,7 +6,9 @@
 use super::text;
 use super::warnings::Warnings;
 use crate::Result;
-use crate::spectrum::{BANDS, Bands, from_rgb};
+use crate::spectrum::glass::Index;
+use crate::spectrum::lamp::Emission;
+use crate::spectrum::{BANDS, Bands, Spectrum, from_rgb};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +32,21 @@ pub(crate) enum Kind {
     Glass,
     /// Kd is matte, Ks is a lobe.
     Glossy,
+}
+
+/// What of a material is stated by wavelength, beside the bands that it makes.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RawSpectra {
+    /// Of `kd`.
+    pub(crate) kd: Option<Spectrum>,
+    /// Of `ks`.
+    pub(crate) ks: Option<Spectrum>,
+    /// Of `tf`.
+    pub(crate) tf: Option<Spectrum>,
+    /// Of `ke`.
+    pub(crate) ke: Option<Emission>,
+    /// Of `ni`.
+    pub(crate) ni: Option<Index>,
 }
 
 /// One material as the file states it; absent means not stated.
@@ -73,6 +90,8 @@ pub(crate) struct RawMaterial {
     pub(crate) tr: Option<At<f32>>,
     /// Illumination model.
     pub(crate) illum: Option<At<f32>>,
+    /// Set by a scene file: what is stated by wavelength.
+    pub(crate) spectra: RawSpectra,
     /// `map_Kd` is stated.
     pub(crate) map_kd: Option<usize>,
     /// Some other texture is stated.

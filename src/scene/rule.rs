@@ -17,11 +17,12 @@
 //! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor.
 //! 8. d or Tr never make an opaque material transparent: cut-outs are not supported.
 
-use super::mtl::{At, Kind, RawMaterial};
+use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::warnings::{Named, Warnings};
-use super::{Dielectric, Material};
-use crate::spectrum::{self, BANDS, BLACK, Bands};
+use super::{Dielectric, Material, MaterialSpectra};
+use crate::spectrum::{self, BANDS, BLACK, Bands, Spectrum};
 use crate::{Error, Result};
+use std::sync::Arc;
 
 /// Reflectance where a file says nothing: middle grey.
 pub(crate) const GREY: Bands = [0.5; BANDS];
@@ -60,6 +61,7 @@ pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Mat
             warn(Some(kd.line), "Kd of a glass is ignored");
         }
         result.dielectric = Some(dielectric(raw, &mut warn));
+        result.spectra = spectra(raw, kind);
         return Ok(result);
     }
     if transmits_like_cutout(raw) {
@@ -69,6 +71,7 @@ pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Mat
         );
     }
     result.diffuse = diffuse(raw, kind, &mut warn);
+    result.spectra = spectra(raw, kind);
     match kind {
         Kind::Mirror => result.specular = raw.ks.map_or(mirror_default(raw), |ks| ks.value),
         Kind::Glossy if !spectrum::is_black(&ks) => {
@@ -88,6 +91,22 @@ pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Mat
         }
     }
     Ok(result)
+}
+
+/// What is stated by wavelength, for the lobes that a material of this kind has; none where nothing is.
+fn spectra(raw: &RawMaterial, kind: Kind) -> Option<Arc<MaterialSpectra>> {
+    let RawSpectra { kd, ks, tf, ke, ni } = raw.spectra.clone();
+    let of = |is_meant: bool, spectrum: Option<Spectrum>| spectrum.filter(|_| is_meant);
+    let is_glass = kind == Kind::Glass;
+    let spectra = MaterialSpectra {
+        diffuse: of(!is_glass, kd),
+        glossy: of(kind == Kind::Glossy, ks.clone()),
+        specular: of(is_glass || kind == Kind::Mirror, ks),
+        transmission: of(is_glass, tf),
+        emission: ke,
+        index: ni.filter(|_| is_glass),
+    };
+    (!spectra.is_empty()).then(|| Arc::new(spectra))
 }
 
 /// What `illum` and its companions ask for.

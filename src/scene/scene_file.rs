@@ -5,11 +5,13 @@
 
 use super::camera::CameraEntry;
 use super::light::{self, Light};
-use super::mtl::{At, Kind, RawMaterial};
+use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::shape::Shape;
+use super::spectrum_entry;
 use super::table::{Table, TextOrTable, parse};
 use super::text::{self, Lines};
 use super::transform::Transform;
+use crate::spectrum::lamp::Emission;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -32,6 +34,8 @@ pub(crate) struct Description {
     pub(crate) shapes: Vec<ShapeEntry>,
     /// Lights in order.
     pub(crate) lights: Vec<Light>,
+    /// Their spectra, where they are stated by wavelength.
+    pub(crate) light_spectra: Vec<Option<Emission>>,
     /// Materials that override or define.
     pub(crate) materials: Vec<MaterialEntry>,
 }
@@ -105,13 +109,14 @@ pub(crate) fn read(path: &Path) -> Result<Description> {
     let meshes = root.tables("mesh")?.into_iter().map(|t| mesh(t, path)).collect::<Result<Vec<_>>>()?;
     let shapes = root.tables("shape")?.into_iter().map(|t| shape(t, path)).collect::<Result<Vec<_>>>()?;
     let lights = root.tables("light")?.into_iter().map(light::read).collect::<Result<Vec<_>>>()?;
+    let (lights, light_spectra) = lights.into_iter().unzip();
     let materials =
         root.tables("material")?.into_iter().map(|t| material_entry(t, path)).collect::<Result<Vec<_>>>()?;
     if meshes.is_empty() && shapes.is_empty() {
         let remedy = "add one: [[mesh]] with file = \"name.obj\", or [[shape]] with kind = \"sphere\"";
         return Err(Error::scene(path, None, "no [[mesh]] and no [[shape]]", remedy));
     }
-    Ok(Description { camera, size, meshes, shapes, lights, materials })
+    Ok(Description { camera, size, meshes, shapes, lights, light_spectra, materials })
 }
 
 fn film(table: Table) -> Result<[u32; 2]> {
@@ -196,17 +201,25 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         }
     };
     let single = |value: Option<At<f64>>| value.map(|v| At { value: v.value as f32, line: v.line });
+    let [(kd, kd_spectrum), (ks, ks_spectrum), (tf, tf_spectrum)] = [
+        spectrum_entry::reflectance(table, "kd")?,
+        spectrum_entry::reflectance(table, "ks")?,
+        spectrum_entry::reflectance(table, "tint")?,
+    ];
+    let (ke, ke_spectrum) = spectrum_entry::emission(table, "ke")?;
+    let (ni, index) = spectrum_entry::index(table, "ior")?;
     Ok(RawMaterial {
         name,
         file: path.to_owned(),
         line: table.line(),
         kind,
         thin: table.boolean("thin")?,
-        kd: table.bands("kd")?,
-        ks: table.bands("ks")?,
-        ke: table.bands("ke")?,
-        tf: table.bands("tint")?,
-        ni: single(table.number("ior")?),
+        kd,
+        ks,
+        ke,
+        tf,
+        ni,
+        spectra: RawSpectra { kd: kd_spectrum, ks: ks_spectrum, tf: tf_spectrum, ke: ke_spectrum, ni: index },
         ns: single(table.number("exponent")?),
         pr: single(table.number("roughness")?),
         ..Default::default()

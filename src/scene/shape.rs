@@ -44,15 +44,23 @@ pub(crate) enum Shape {
         is_capped: bool,
         tolerance: f64,
     },
+    /// Flat sides about an axis through the middle, closed at both ends. `radius` is that of the corners.
+    Prism {
+        radius: f64,
+        sides: u32,
+        height: f64,
+        axis: DVec3,
+    },
 }
 
 /// Kinds of shapes, and the keys that each reads.
-const KINDS: [(&str, &[&str]); 5] = [
+const KINDS: [(&str, &[&str]); 6] = [
     ("sphere", &["radius", "tolerance"]),
     ("cube", &["size"]),
     ("rectangle", &["size", "facing"]),
     ("disc", &["radius", "facing", "tolerance"]),
     ("cylinder", &["radius", "height", "axis", "caps", "tolerance"]),
+    ("prism", &["radius", "sides", "height", "axis"]),
 ];
 
 impl Shape {
@@ -96,6 +104,12 @@ impl Shape {
                 Self::Rectangle { size: size.value, facing: direction("facing")? }
             }
             "disc" => Self::Disc { radius: radius()?, facing: direction("facing")?, tolerance: tolerance()? },
+            "prism" => Self::Prism {
+                radius: radius()?,
+                sides: sides_of_prism(table)?,
+                height: length("height", 1.0)?,
+                axis: direction("axis")?,
+            },
             _ => Self::Cylinder {
                 radius: radius()?,
                 height: length("height", 1.0)?,
@@ -117,6 +131,7 @@ impl Shape {
             Self::Cylinder { is_capped, tolerance, .. } => {
                 u64::from(corners(tolerance)) * if is_capped { 4 } else { 2 }
             }
+            Self::Prism { sides, .. } => u64::from(sides) * 4,
         }
     }
 
@@ -139,8 +154,24 @@ impl Shape {
             Self::Cylinder { radius, height, axis, is_capped, tolerance } => {
                 cylinder(radius, axis * (height / 2.0), is_capped, corners(tolerance))
             }
+            Self::Prism { radius, sides, height, axis } => {
+                let mut mesh = cylinder(radius, axis * (height / 2.0), true, sides);
+                mesh.normals.clear();
+                mesh.triangles.iter_mut().for_each(|t| t.normal = None);
+                mesh
+            }
         }
     }
+}
+
+/// Sides of a prism where a file gives none, and at most.
+const PRISM_SIDES: [u32; 2] = [3, 1024];
+
+fn sides_of_prism(table: &Table) -> Result<u32> {
+    let [few, most] = PRISM_SIDES;
+    let Some(At { value, line }) = table.integer("sides")? else { return Ok(few) };
+    let fault = || table.fault(line, &format!("prism of {value} sides"), &format!("give {few} to {most}"));
+    u32::try_from(value).ok().filter(|sides| (few..=most).contains(sides)).ok_or_else(fault)
 }
 
 /// A number above 0.
@@ -325,12 +356,13 @@ fn farthest(points: &[DVec3], faces: &[[u32; 3]]) -> f64 {
 mod tests {
     use super::*;
 
-    fn all() -> [Shape; 5] {
+    fn all() -> [Shape; 6] {
         let facing = DVec3::new(1., 2., -0.5).normalize();
         [
             Shape::Sphere { radius: 2.0, tolerance: TOLERANCE },
             Shape::Cube { size: DVec3::new(1., 2., 3.) },
             Shape::Cylinder { radius: 0.5, height: 3.0, axis: facing, is_capped: true, tolerance: TOLERANCE },
+            Shape::Prism { radius: 2.0, sides: 3, height: 3.0, axis: facing },
             Shape::Rectangle { size: DVec2::new(2., 3.), facing },
             Shape::Disc { radius: 2.0, facing, tolerance: TOLERANCE },
         ]
@@ -349,14 +381,14 @@ mod tests {
     /// Bodies are closed, look out and have the volume of their formula; flat ones have its area and look where they face.
     #[test]
     fn shapes_have_their_size() {
-        let formulas = [4.0 / 3.0 * PI * 8.0, 6.0, PI * 0.25 * 3.0];
+        let formulas = [4.0 / 3.0 * PI * 8.0, 6.0, PI * 0.25 * 3.0, 3.0 * 3f64.sqrt() / 4.0 * 4.0 * 3.0];
         for (shape, volume) in all().iter().zip(formulas) {
             let (found, _, sum) = measures(&shape.mesh());
             assert!((found / volume - 1.0).abs() < 2.0 * TOLERANCE, "{shape:?}: {found}, not {volume}");
             assert!(sum.length() < 1e-9, "{shape:?} is open: {sum}");
         }
-        let Shape::Rectangle { facing, .. } = all()[3] else { panic!("a rectangle") };
-        for (shape, area) in all()[3..].iter().zip([6.0, PI * 4.0]) {
+        let Shape::Rectangle { facing, .. } = all()[4] else { panic!("a rectangle") };
+        for (shape, area) in all()[4..].iter().zip([6.0, PI * 4.0]) {
             let (_, found, sum) = measures(&shape.mesh());
             assert!((found / area - 1.0).abs() < 2.0 * TOLERANCE, "{shape:?}: {found}, not {area}");
             assert!((sum / found - facing).length() < 1e-9, "{shape:?} faces {}", sum / found);

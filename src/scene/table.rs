@@ -186,6 +186,49 @@ impl<'a> Table<'a> {
         Some((values.and_then(|v| v.try_into().ok()), line))
     }
 
+    /// Any number of finite numbers.
+    pub(crate) fn list(&self, key: &str) -> Result<Option<At<Vec<f64>>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let values = match value {
+            DeValue::Array(items) => items.iter().map(|item| finite(item.get_ref())).collect(),
+            _ => None,
+        };
+        let values: Option<Vec<f64>> = values;
+        values
+            .map(|value| Some(At { value, line }))
+            .ok_or_else(|| self.wrong(key, line, "finite numbers: [a, b, …]"))
+    }
+
+    /// Any number of pairs of finite numbers.
+    pub(crate) fn pairs(&self, key: &str) -> Result<Option<At<Vec<[f64; 2]>>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        let pair = |item: &Spanned<DeValue<'a>>| -> Option<[f64; 2]> {
+            let DeValue::Array(items) = item.get_ref() else { return None };
+            let numbers: Option<Vec<f64>> = items.iter().map(|item| finite(item.get_ref())).collect();
+            numbers?.try_into().ok()
+        };
+        let values: Option<Vec<[f64; 2]>> = match value {
+            DeValue::Array(items) => items.iter().map(pair).collect(),
+            _ => None,
+        };
+        values
+            .map(|value| Some(At { value, line }))
+            .ok_or_else(|| self.wrong(key, line, "pairs of finite numbers: [[nm, value], …]"))
+    }
+
+    /// A text or a table within this one, where the value is one of these.
+    pub(crate) fn named_or_table(&self, key: &str) -> Result<Option<TextOrTable<'a>>> {
+        match self.get(key) {
+            Some((DeValue::String(_) | DeValue::Table(_), ..)) => self.text_or_table(key),
+            _ => Ok(None),
+        }
+    }
+
+    /// Whether it says anything of a key.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key)
+    }
+
     /// Three finite numbers that must be there.
     pub(crate) fn vector(&self, key: &str) -> Result<At<DVec3>> {
         let (values, line) = self.numbers::<3>(key).ok_or_else(|| self.missing(key))?;

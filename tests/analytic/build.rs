@@ -23,6 +23,7 @@ impl Build {
             mesh: Mesh::default(),
             materials: Vec::new(),
             lights: Vec::new(),
+            wavelengths: Default::default(),
             warnings: Vec::new(),
             files: Vec::new(),
         })

@@ -21,3 +21,4 @@ mod harness;
 mod lobes;
 mod partition;
 mod scale;
+mod spectral;

@@ -20,6 +20,7 @@ impl Builder {
                 mesh: Mesh::default(),
                 materials: Vec::new(),
                 lights: Vec::new(),
+                wavelengths: Default::default(),
                 warnings: Vec::new(),
                 files: Vec::new(),
             },

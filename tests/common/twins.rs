@@ -3,8 +3,10 @@
 use super::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
 use joton::plan::{Part, Reason};
-use joton::scene::{Light, Material, Scene};
+use joton::scene::{Light, Material, MaterialSpectra, Scene};
+use joton::spectrum::glass::Index;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Every path from a light to the eye.
 pub const EVERYTHING: &str = "L.*E";
@@ -48,6 +50,19 @@ fn only(paths: &'static str, name: &'static str, scene: Scene) -> Case {
 /// With the diffuse map, however well paths would serve.
 fn by_map(name: &'static str, scene: Scene) -> Case {
     Case { name, scene, paths: EVERYTHING, keep: &[Part::DiffuseMap] }
+}
+
+/// Rendered by wavelength, whatever the scene asks for.
+fn by_wavelength(name: &'static str, mut scene: Scene) -> Case {
+    scene.wavelengths.are_rendered = true;
+    case(name, scene)
+}
+
+/// Glass that parts colours.
+fn flint() -> Material {
+    let index = Index::named("SF11");
+    let spectra = MaterialSpectra { index, ..MaterialSpectra::default() };
+    Material { spectra: Some(Arc::new(spectra)), ..glass(1.785) }
 }
 
 /// One of the scenes of the repository at `size` × `size` pixels.
@@ -291,6 +306,12 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NoDielectric,
             mirror_ball(),
             case("white plate, glass ball", plate_with_ball(white(), glass(1.5), size)),
+        ),
+        twins(
+            Part::Dispersion,
+            Reason::NothingDisperses,
+            by_wavelength("glass ball, by wavelength", plate_with_ball(white(), glass(1.5), size)),
+            by_wavelength("ball of flint, by wavelength", plate_with_ball(white(), flint(), size)),
         ),
         twins(
             Part::GlossyLobes,

@@ -134,7 +134,7 @@ pub fn pack(bytes: &[u8]) -> bool {
     scene.resize([4, 4]);
     let packed = PackedScene::new(&scene);
     assert!(packed.bounds.iter().all(|corner| corner.is_finite()), "{:?}", packed.bounds);
-    for t in &packed.triangles {
+    for t in packed.triangles.iter() {
         assert!([t.v0, t.e1, t.e2].iter().all(|v| v.is_finite()), "{t:?}");
         assert!((t.material as usize) < packed.materials.len(), "{t:?}");
     }

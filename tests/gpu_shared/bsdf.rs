@@ -262,7 +262,7 @@ fn weights_share_out_the_flux() {
     let snippet = Snippet {
         imports: BSDF,
         declarations: MATERIALS,
-        code: "let w = lobe_weights(materials[u32(in_f(0u).w)], in_f(0u).xyz, in_f(1u).x);
+        code: "let w = lobe_weights(materials[u32(in_f(0u).w)], in_f(0u).xyz, Bands(in_f(1u).x));
             let r = roulette(w, u32(in_f(1u).y));
             out_f(0u, vec4(w.lambert, w.phong, w.mirror, w.reflection));
             out_f(1u, vec4(w.transmission, r.transmission, 0.0, 0.0));
@@ -302,6 +302,34 @@ fn weights_share_out_the_flux() {
         assert!(drawn.iter().sum::<f64>() <= 1.0 + 1e-5, "{carried}: {drawn:?}");
     }
     assert!(over > 100, "coloured lobes that ask for more than one event were met {over} times");
+}
+
+/// The band that goes on where bands part is picked in proportion to what each transmits, and never one that transmits nothing.
+#[test]
+fn bands_are_picked_by_what_they_transmit() {
+    let context = device_or_return!();
+    const COUNT: usize = 2000;
+    let all = [[1.0f32, 1.0, 1.0], [0.2, 0.0, 3.0], [0.0, 0.7, 0.0], [0.0, 0.0, 1e-20], [5.0, 1e-7, 0.0]];
+    let inputs: Vec<[Row; 2]> = (0..all.len() * COUNT)
+        .map(|i| {
+            let u = ((i % COUNT) as f32 + 0.5) / COUNT as f32;
+            [row3(Vec3::from(all[i / COUNT]), 0.0), row([u.min(0.999_999_94), 0.0, 0.0, 0.0])]
+        })
+        .collect();
+    let code = "out_f(0u, vec4(f32(picked_band(in_f(0u).xyz, in_f(1u).x)), 0.0, 0.0, 0.0));";
+    let out: Vec<[Row; 1]> = Snippet::new(BSDF, code).run(context, &inputs);
+    for (transmitted, picked) in all.iter().zip(out.chunks(COUNT)) {
+        let total: f32 = transmitted.iter().sum();
+        for band in 0..3 {
+            let count = picked.iter().filter(|[o]| floats(*o)[0] as usize == band).count();
+            let wanted = f64::from(transmitted[band] / total) * COUNT as f64;
+            assert!(
+                (count as f64 - wanted).abs() <= 1.0,
+                "{transmitted:?}, band {band}: {count} of {COUNT}, not {wanted}"
+            );
+            assert!(transmitted[band] > 0.0 || count == 0, "{transmitted:?}: band {band} transmits nothing");
+        }
+    }
 }
 
 /// sample_scatter draws by pdf_scatter: weighted by f cos / pdf its samples integrate to what even directions integrate to.

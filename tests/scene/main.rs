@@ -10,3 +10,4 @@ mod materials;
 mod meshes;
 mod scene_file;
 mod shapes;
+mod spectra;

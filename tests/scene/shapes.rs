@@ -224,7 +224,7 @@ fn faults_of_shapes_have_lines() {
         (
             "kind = \"ball\"",
             2,
-            "unknown kind of shape \"ball\"; known are sphere, cube, rectangle, disc, cylinder",
+            "unknown kind of shape \"ball\"; known are sphere, cube, rectangle, disc, cylinder, prism",
         ),
         ("kind = \"spere\"", 2, "did you mean \"sphere\"?"),
         ("kind = \"cube\"\nradius = 1", 3, "unknown key in [[shape]]: \"radius\""),
@@ -234,6 +234,7 @@ fn faults_of_shapes_have_lines() {
         ("kind = \"disc\"\nfacing = [0, 0, 0]", 3, "facing without length"),
         ("kind = \"sphere\"\ntolerance = 1e-9", 3, "tolerance 0.000000001"),
         ("kind = \"cylinder\"\ncaps = 1", 3, "true or false"),
+        ("kind = \"prism\"\nsides = 2", 3, "prism of 2 sides; give 3 to 1024"),
         ("kind = \"cube\"\nscale = -1", 3, "matrix can mirror"),
         ("kind = \"cube\"\nmatrix = [[1, 0, 0, 0]]", 3, "three rows of four"),
         ("kind = \"cube\"\nmatrix = [[1, 0, 0, 0], [2, 0, 0, 0], [0, 0, 1, 0]]", 3, "flattens everything"),

@@ -93,6 +93,7 @@ fn deprived(mut plan: Plan, part: Part) -> Option<Plan> {
         Part::DiffuseMap => &mut layers[Layer::Diffuse as usize],
         Part::Mirrors => &mut features.specular,
         Part::Refraction => &mut features.dielectric,
+        Part::Dispersion => &mut features.dispersion,
         Part::GlossyLobes => &mut features.glossy,
         Part::ShadingNormals => &mut features.smooth_normals,
         Part::DeltaLights => &mut features.delta_lights,
@@ -120,7 +121,7 @@ fn leaving_out_what_is_needed_changes_the_image() {
             assert!(own != less, "{:?}, {side:?}: {}", t.part, t.with.name);
         }
     }
-    assert_eq!(done.len(), 11, "{done:?}");
+    assert_eq!(done.len(), 12, "{done:?}");
 }
 
 /// What is not skipped cannot be kept: where a scene needs a part, `--no-skip` leaves plan and image as they are.

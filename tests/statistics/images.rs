@@ -11,8 +11,11 @@ use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
 use joton::packed::PackedScene;
 use joton::plan::Plan;
-use joton::scene::Scene;
-use joton::spectrum::BANDS;
+use joton::scene::{MaterialSpectra, Scene};
+use joton::spectrum::cie::Illuminant;
+use joton::spectrum::glass::Index;
+use joton::spectrum::lamp::Emission;
+use joton::spectrum::{BANDS, Spectrum};
 use std::sync::Arc;
 
 pub const SIZE: u32 = 24;
@@ -79,8 +82,10 @@ fn device_and_host_agree_in_every_layer() {
     device_or_return!();
     const PASSES: u64 = 4;
     let mut claims = Claims::default();
-    for name in ["cornell.toml", "spheres.toml", "pool.toml", "ring.toml"] {
-        let scene = scene(name);
+    let colours_part = ("spheres of flint", by_wavelength(file("spheres.toml", SIZE)));
+    let names = ["cornell.toml", "spheres.toml", "pool.toml", "ring.toml"];
+    for (name, scene) in names.map(|name| (name, file(name, SIZE))).into_iter().chain([colours_part]) {
+        let scene = pack(&scene);
         for (way, planner, layers) in
             [("paths", plan as Planner, &Layer::ALL[..]), ("map", plan_by_map, &[Layer::Diffuse])]
         {
@@ -119,6 +124,19 @@ fn spheres_under_a_glowing_ceiling() -> Scene {
     scene
 }
 
+/// The scene by wavelength, its glass of heavy flint, and light of lamps that have steep spectra.
+fn by_wavelength(mut scene: Scene) -> Scene {
+    for m in &mut scene.materials {
+        let index = m.dielectric.and(Index::named("sf11"));
+        let light =
+            Emission::continuous(Spectrum::Standard(Illuminant::Fl11)).scaled(f64::from(m.emission[1]));
+        let emission = m.emits().then_some(light);
+        m.spectra = Some(Arc::new(MaterialSpectra { index, emission, ..MaterialSpectra::default() }));
+    }
+    scene.wavelengths.are_rendered = true;
+    scene
+}
+
 /// Part of the plan's radii, caustic and diffuse, at which the maps are held against the path tracer. With the plan's own
 /// the small images here have 2.9 % less light in the caustic layer (its discs lose what lies beyond an edge: -1.4 % at an
 /// eighth, -0.8 % at a sixteenth of the radius) and 0.8 % more in the diffuse one (0.1 % at three tenths): bias. At these
@@ -141,6 +159,7 @@ fn maps_agree_with_the_path_tracer() {
         ("cornell", file("cornell.toml", SIZE)),
         ("furnace", file("furnace.toml", SIZE)),
         ("glowing spheres", spheres_under_a_glowing_ceiling()),
+        ("glowing spheres of flint", by_wavelength(spheres_under_a_glowing_ceiling())),
     ] {
         let scene = pack(&scene);
         let paths = pictures(Side::PathTracer, &scene, EVERYTHING, 0..SEEDS, PATHS, |_| ());

@@ -206,7 +206,7 @@ fn shading_normals_turn_with_their_faces() {
         }
     }
     let packed = PackedScene::whole(&b.scene);
-    for (t, normals) in packed.triangles.iter().zip(&packed.shading_normals) {
+    for (t, normals) in packed.triangles.iter().zip(packed.shading_normals.iter()) {
         for (v, n) in t.vertices().into_iter().zip(normals) {
             assert!(n.dot(v.normalize()) > 0.9999 && n.dot(t.normal()) > 0.9, "{n} at {v}");
         }

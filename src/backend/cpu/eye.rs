@@ -1,7 +1,7 @@
 //! Eye: a camera ray through specular surfaces to its gather point, and the emission met on the way (E S* L).
 
 use super::splits::Splits;
-use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_JITTER};
+use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_EYE_BAND, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
 use crate::optics::lights::{le, on_miss};
@@ -10,7 +10,7 @@ use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{CLIP_GRAZING, SURE_EVENTS, SURVIVAL_MAX};
 use crate::packed::{CameraRay, PackedScene, PackedTriangle};
 use crate::plan::Plan;
-use crate::sampling::rng::{random4, sequence_seed, sobol2};
+use crate::sampling::rng::{golden, random4, sequence_seed, sobol2};
 use crate::spectrum::{BANDS, BLACK, Bands, add, mul, scale};
 use glam::Vec3;
 
@@ -95,7 +95,7 @@ pub(super) fn follow<'a>(
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
-        let bsdf = Bsdf::at(&s);
+        let mut bsdf = Bsdf::at(&s);
         let shares = bsdf.shares(&throughput);
         if shares.kept() <= 0.0 {
             return path;
@@ -119,6 +119,9 @@ pub(super) fn follow<'a>(
             });
             return path;
         }
+        bsdf.part_bands(s.material, &throughput, || {
+            golden(pass, sequence_seed(settings.seed, pixel, STREAM_EYE_BAND))
+        });
         let lobe = shares.pick_delta(choice - stop);
         let Some(direction) = bsdf.sample_delta(lobe, [u0, u1]) else { return path };
         splits = splits.after(&shares, lobe);

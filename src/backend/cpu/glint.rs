@@ -5,7 +5,7 @@
 
 use super::eye::{survival, wants_emission};
 use super::splits::Splits;
-use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_JITTER};
+use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_BAND, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
 use crate::estimators::split_paths::{Light, Look, SplitPaths, is_mixed};
 use crate::optics::lights::{le, on_miss};
@@ -14,7 +14,7 @@ use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{PILOT_TREES, WAITING_MAX};
 use crate::packed::{CameraRay, PackedScene};
 use crate::plan::Plan;
-use crate::sampling::rng::{random4, seed_at};
+use crate::sampling::rng::{golden, random4, seed_at, sequence_seed};
 use crate::spectrum::{BANDS, BLACK, Bands, add, is_black, mul, scale};
 use rayon::prelude::*;
 
@@ -72,12 +72,15 @@ fn tree(
                 seen.emission = add(&seen.emission, &sees(le));
                 seen.direct = events == 0;
             }
-            let bsdf = Bsdf::at(&s);
+            let mut bsdf = Bsdf::at(&s);
             let shares = bsdf.shares(&throughput);
             if shares.followed() <= 0.0 {
                 break;
             }
             seen.direct = false;
+            bsdf.part_bands(s.material, &throughput, || {
+                golden(number, sequence_seed(seed, pixel, STREAM_GLINT_BAND))
+            });
             let [u_way, u0, u1, u_survive] = random4(seed, number, pixel, DIMENSION_GLINT + node);
             node += 1;
             let both = splits.takes_both(&shares);

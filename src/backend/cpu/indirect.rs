@@ -9,7 +9,8 @@ use super::direct::Direct;
 use super::eye::{GatherPoint, survival};
 use super::gather::{caustic, caustic_limits};
 use super::streams::{
-    DIMENSION_INDIRECT, DIMENSION_INDIRECT_LIGHT, EVENTS_MAX, STREAM_INDIRECT, STREAM_INDIRECT_LIGHT,
+    DIMENSION_INDIRECT, DIMENSION_INDIRECT_LIGHT, EVENTS_MAX, STREAM_INDIRECT, STREAM_INDIRECT_BAND,
+    STREAM_INDIRECT_LIGHT,
 };
 use crate::backend::Tally;
 use crate::estimators::indirect::tile_point;
@@ -18,11 +19,31 @@ use crate::film::paths::{Event, LightPaths};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{INDIRECT_DISC, SURE_EVENTS, SURVIVAL_MAX};
-use crate::sampling::rng::{random4, sequence2};
+use crate::sampling::rng::{golden, random4, sequence_seed, sequence2};
 use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
 
 /// Draws of an event: the way on through mirrors and glass; where to from a D surface; its light.
 const DRAWS: u32 = 3;
+
+/// The random numbers of a path.
+#[derive(Clone, Copy)]
+struct Draws {
+    seed: u32,
+    index: u32,
+    pixel: u32,
+}
+
+impl Draws {
+    /// Draw `k` of an event.
+    fn of(self, event: u32, k: u32) -> [f32; 4] {
+        random4(self.seed, self.index, self.pixel, DIMENSION_INDIRECT + DRAWS * event + k)
+    }
+
+    /// The number that tells in which band it is transmitted where they part.
+    fn band(self) -> f32 {
+        golden(self.index, sequence_seed(self.seed, self.pixel, STREAM_INDIRECT_BAND))
+    }
+}
 
 /// Indirect light at a gather point, times its throughput: one path. `accepted` masks the automaton's states after the D event of the
 /// gather point, none where every path is wanted.
@@ -44,11 +65,11 @@ pub(super) fn light(
     let mut accepted = accepted;
     let mut sum = BLACK;
     let mut events = 0;
-    let draw = |event: u32, k: u32| random4(seed, index, pixel, DIMENSION_INDIRECT + DRAWS * event + k);
+    let draws = Draws { seed, index, pixel };
     let before = |mask: u32, event| paths.states_before(mask, event);
     let mut here = g.clone();
     for vertex in 0.. {
-        let u = draw(events, 1);
+        let u = draws.of(events, 1);
         let way = if events == 0 { even(STREAM_INDIRECT, number) } else { [u[1], u[2]] };
         let leaving = here.bsdf.sample_scatter(u[0], way).filter(|wi| wi.dot(here.ng) > 0.0);
         let Some(wi) = leaving else { return sum };
@@ -63,7 +84,7 @@ pub(super) fn light(
         let throughput = scale(&throughput, 1.0 / survives);
         accepted = accepted.map(|mask| before(mask, Event::D));
         let ray = Ray::new(lift(here.position, here.ng, here.triangle), wi);
-        let Some(next) = follow(pass, ray, throughput, here.length, &mut events, draw, tally) else {
+        let Some(next) = follow(pass, ray, throughput, here.length, &mut events, draws, tally) else {
             return sum;
         };
         accepted = accepted.map(|mask| (0..next.chain).fold(mask, |mask, _| before(mask, Event::S)));
@@ -78,7 +99,7 @@ pub(super) fn light(
                     random4(seed, index, pixel, DIMENSION_INDIRECT_LIGHT + candidates * events + k);
                 [x, y]
             });
-            sum = add(&sum, &mul(&next.throughput, &direct.sample(places, draw(events, 2), tally)));
+            sum = add(&sum, &mul(&next.throughput, &direct.sample(places, draws.of(events, 2), tally)));
         }
         if plan.has_map(MapKind::Caustic) {
             let [_, largest] = caustic_limits(scene, plan, &next);
@@ -97,7 +118,7 @@ fn follow<'a>(
     mut throughput: Bands,
     mut length: f32,
     events: &mut u32,
-    draw: impl Fn(u32, u32) -> [f32; 4],
+    draws: Draws,
     tally: &mut Tally,
 ) -> Option<GatherPoint<'a>> {
     for chain in 0.. {
@@ -108,13 +129,13 @@ fn follow<'a>(
         tally.rays += 1;
         let s = SurfaceInteraction::hit(pass.scene, &ray)?;
         length += s.distance;
-        let bsdf = Bsdf::at(&s);
+        let mut bsdf = Bsdf::at(&s);
         let shares = bsdf.shares(&throughput);
         let kept = shares.kept();
         if kept <= 0.0 {
             return None;
         }
-        let [u_way, u0, u1, u_survive] = draw(*events, 0);
+        let [u_way, u0, u1, u_survive] = draws.of(*events, 0);
         let choice = u_way * kept;
         if choice < shares.scatter {
             return Some(GatherPoint {
@@ -130,6 +151,7 @@ fn follow<'a>(
                 length,
             });
         }
+        bsdf.part_bands(s.material, &throughput, || draws.band());
         let lobe = shares.pick_delta(choice - shares.scatter);
         let direction = bsdf.sample_delta(lobe, [u0, u1])?;
         let survival = survival(*events, kept);

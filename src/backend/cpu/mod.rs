@@ -34,8 +34,8 @@ use crate::estimators::split_paths::SplitPaths;
 use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
 use crate::packed::constants::PILOT_PASS;
-use crate::packed::{PackedScene, scatter_area_points};
-use crate::plan::{Part, Plan};
+use crate::packed::{PackedScene, PassBands, scatter_area_points};
+use crate::plan::{InBands, Part, Plan};
 use crate::resolve::Resolver;
 use crate::sampling::rng::sequence_seed;
 use crate::spectrum::Bands;
@@ -93,6 +93,8 @@ fn survey_pass(pass: u64) -> Option<u64> {
 struct Pass<'a> {
     scene: &'a PackedScene,
     plan: &'a Plan,
+    /// What the bands are, where they are not red, green and blue.
+    bands: Option<&'a PassBands>,
     index: u32,
     caustic: JotonMap,
     diffuse: JotonMap,
@@ -190,7 +192,11 @@ impl CpuBackend {
     fn pass(&mut self, pass: u64, layers: &mut [Vec<Bands>; LAYERS], tally: &mut Tally) {
         self.refresh_survey(pass);
         self.refresh_area(pass);
-        let (scene, plan) = (&*self.scene, &self.plan);
+        let in_bands = InBands::of(&self.scene, &self.plan, pass).map(|b| (b.plan(&self.plan), b));
+        let (scene, plan, bands) = match &in_bands {
+            Some((plan, InBands { scene, bands, .. })) => (scene, plan, Some(bands)),
+            None => (&*self.scene, &self.plan, None),
+        };
         let index = pass as u32;
         let mut map = |kind: MapKind| {
             if !plan.has_map(kind) {
@@ -203,6 +209,7 @@ impl CpuBackend {
         let pass = Pass {
             scene,
             plan,
+            bands,
             index,
             caustic,
             diffuse,

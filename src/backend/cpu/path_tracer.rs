@@ -4,7 +4,7 @@
 //! truth for the maps. Paths are classed and filtered by their events in light order.
 
 use super::eye::camera_ray;
-use super::streams::DIMENSION_PATH;
+use super::streams::{DIMENSION_PATH, STREAM_PATH_BAND};
 use crate::backend::{Backend, Batch, Cause, NonFinite, Tally};
 use crate::error::Result;
 use crate::film::paths::{Event, LightPaths};
@@ -15,8 +15,8 @@ use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::SURVIVAL_MAX;
 use crate::packed::{CameraRay, PackedScene};
-use crate::plan::Plan;
-use crate::sampling::rng::random4;
+use crate::plan::{InBands, Plan};
+use crate::sampling::rng::{golden, random4, sequence_seed};
 use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -44,6 +44,9 @@ impl Backend for PathTracer {
 
     fn render(&mut self, first: u64, count: u32) -> Result<Batch> {
         let width = self.scene.size[0];
+        let passes = first..first + u64::from(count);
+        let in_bands: Vec<Option<InBands>> =
+            passes.clone().map(|pass| InBands::of(&self.scene, &self.plan, pass)).collect();
         let rows: Vec<(Vec<[Bands; LAYERS]>, Tally)> = (0..self.scene.size[1])
             .into_par_iter()
             .map(|y| {
@@ -51,13 +54,14 @@ impl Backend for PathTracer {
                 let row = (0..width)
                     .map(|x| {
                         let mut sum = [BLACK; LAYERS];
-                        for pass in first..first + u64::from(count) {
-                            let path = Path::new(&self.scene, &self.plan, y * width + x, pass as u32);
+                        for (pass, in_bands) in passes.clone().zip(&in_bands) {
+                            let scene = in_bands.as_ref().map_or(&*self.scene, |b| &b.scene);
+                            let path = Path::new(scene, &self.plan, y * width + x, pass as u32);
                             let (layers, rays, non_finite) = path.trace();
                             tally.rays += rays;
                             tally.non_finite += non_finite;
                             for (s, l) in sum.iter_mut().zip(layers) {
-                                *s = add(s, &l);
+                                *s = add(s, &in_bands.as_ref().map_or(l, |b| b.bands.rgb(&l)));
                             }
                         }
                         sum
@@ -169,7 +173,7 @@ impl<'a> Path<'a> {
                 self.found(&scale(&mul(&throughput, le), weight));
             }
             let [u_way, u0, u1, u_lobe] = self.random(0);
-            let bsdf = Bsdf::at(&s);
+            let mut bsdf = Bsdf::at(&s);
             let shares = bsdf.shares(&throughput);
             if shares.kept() <= 0.0 {
                 return;
@@ -187,6 +191,9 @@ impl<'a> Path<'a> {
                 }
                 leaving
             } else {
+                bsdf.part_bands(s.material, &throughput, || {
+                    golden(self.pass, sequence_seed(self.plan.settings.seed, self.pixel, STREAM_PATH_BAND))
+                });
                 let lobe = shares.pick_delta(choice - shares.scatter);
                 let arriving = scale(&throughput, shares.kept() / shares.delta[lobe]);
                 // where nothing else of the path is D the lobe is: what it sends on to a D is a caustic

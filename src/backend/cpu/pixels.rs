@@ -51,7 +51,8 @@ pub(super) fn render(pass: &Pass, layers: &mut [Vec<Bands>; LAYERS]) -> Tally {
                 let index = pass.schedule.sequence_index(tile as usize, pass.index);
                 for pixel in pixels {
                     let local = pixel as usize - i * per_strip;
-                    for (layer, radiance) in out.iter_mut().zip(one(pass, pixel, index, &mut tally)) {
+                    for (layer, seen) in out.iter_mut().zip(one(pass, pixel, index, &mut tally)) {
+                        let radiance = pass.bands.map_or(seen, |bands| bands.rgb(&seen));
                         if radiance.iter().all(|x| is_finite(*x)) {
                             layer[local] = add(&layer[local], &radiance);
                         } else {

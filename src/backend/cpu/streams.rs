@@ -25,6 +25,19 @@ pub(super) const STREAM_GLINT_JITTER: u32 = 8;
 pub(super) const STREAM_INDIRECT: u32 = 9;
 /// Emitter and place of the shadow ray at their first surface, likewise.
 pub(super) const STREAM_INDIRECT_LIGHT: u32 = 10;
+/// The band that a path is transmitted in, one number a path: eye paths, trees, paths that go on, jotons of each map, and those of the
+/// path tracer.
+pub(super) const STREAM_EYE_BAND: u32 = 11;
+/// See [`STREAM_EYE_BAND`].
+pub(super) const STREAM_GLINT_BAND: u32 = 12;
+/// See [`STREAM_EYE_BAND`].
+pub(super) const STREAM_INDIRECT_BAND: u32 = 13;
+/// See [`STREAM_EYE_BAND`].
+pub(super) const STREAM_CAUSTIC_BAND: u32 = 14;
+/// See [`STREAM_EYE_BAND`].
+pub(super) const STREAM_DIFFUSE_BAND: u32 = 15;
+/// See [`STREAM_EYE_BAND`].
+pub(super) const STREAM_PATH_BAND: u32 = 16;
 
 /// Hard limit of a path's length: the dimensions of a purpose. The roulette ends paths long before.
 pub(super) const EVENTS_MAX: u32 = 1 << 16;

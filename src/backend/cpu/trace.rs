@@ -16,7 +16,7 @@ use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
 use crate::packed::constants::{ADJOINT_MAX, UNSEEN_STORED};
 use crate::plan::Plan;
-use crate::sampling::rng::{random4, sequence2};
+use crate::sampling::rng::{golden, random4, sequence_seed, sequence2};
 use crate::spectrum::{BANDS, Bands, max, mul, scale};
 use rayon::prelude::*;
 
@@ -85,6 +85,17 @@ impl Tracer<'_> {
         self.follow::<false>(i, start, DIMENSION_DIFFUSE);
     }
 
+    /// The number that tells in which band a joton is transmitted where they part.
+    fn band(&self, i: u32, is_caustic: bool) -> f32 {
+        let (count, stream) = if is_caustic {
+            (self.plan.caustic_jotons, STREAM_CAUSTIC_BAND)
+        } else {
+            (self.plan.diffuse_jotons, STREAM_DIFFUSE_BAND)
+        };
+        let index = self.pass.wrapping_mul(count).wrapping_add(i);
+        golden(index, sequence_seed(self.plan.settings.seed, 0, stream))
+    }
+
     fn follow<const CAUSTIC: bool>(&mut self, i: u32, start: Start, dimension: u32) {
         let paths = &self.plan.settings.paths;
         let (mut ray, mut flux) = (Ray::new(start.origin, start.direction), start.flux);
@@ -110,11 +121,12 @@ impl Tracer<'_> {
                 }
             }
             let [u_way, u0, u1, u_lobe] = random4(self.plan.settings.seed, self.pass, i, dimension + event);
-            let probabilities = EventProbabilities::new(&s, &flux, event);
+            let mut probabilities = EventProbabilities::new(&s, &flux, event);
             if !CAUSTIC {
                 let lost = probabilities.total_albedo().map(|kept| 1.0 - kept);
                 add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
             }
+            probabilities.bsdf.part_bands(s.material, &flux, || self.band(i, CAUSTIC));
             let Some(way) = probabilities.choose(u_way) else { return };
             if CAUSTIC && way == SCATTERED {
                 return;

@@ -39,11 +39,12 @@ use crate::packed::layout::{MapInfo, PassInfo, status};
 use crate::plan::buffers::{self, Buffer, BufferPlan};
 use crate::plan::map_layout::{MapLayout, MapLayouts};
 use crate::plan::strips::{Strip, Strips};
-use crate::plan::{Part, Plan};
+use crate::plan::{InBands, Part, Plan};
 use crate::resolve::Resolver;
-use crate::spectrum::Bands;
+use crate::spectrum::{BLACK, Bands};
 use area_samples::AreaState;
 use batches::Begun;
+use films::four;
 use glints::SplitPathLists;
 use pipelines::{Kernels, PassGraph};
 use precompile::Precompiler;
@@ -69,6 +70,8 @@ pub struct GpuBackend {
     kernels: Kernels,
     steps: Option<PassGraph>,
     shapes: MapLayouts,
+    /// Linear red, green and blue of the bands of a pass: rows.
+    to_rgb: [Bands; 3],
     strips: Strips,
     kept: Vec<Kept>,
     /// Sums of a batch so far, where the image is in strips; none before the first strip.
@@ -117,6 +120,7 @@ impl GpuBackend {
             kernels,
             steps: None,
             shapes,
+            to_rgb: [BLACK; 3],
             strips,
             kept: Vec::new(),
             strip_films: None,
@@ -187,6 +191,7 @@ impl GpuBackend {
 
     /// The uniform of a pass over a strip.
     fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
+        let [red, green, blue] = self.to_rgb.map(|row| four(&row).into());
         PassInfo {
             camera: self.scene.camera_info(),
             width: self.scene.size[0],
@@ -205,6 +210,9 @@ impl GpuBackend {
             glint_count: 0,
             glint_turns: self.glints.turns(),
             pad0: 0,
+            red,
+            green,
+            blue,
         }
     }
 
@@ -246,6 +254,14 @@ impl GpuBackend {
         strip.rows * self.scene.size[0]
     }
 
+    /// Put the bands of a pass on the device, where they differ from pass to pass. What was submitted before has its own.
+    fn set_bands(&mut self, pass: u64) {
+        if let Some(in_bands) = InBands::of(&self.scene, &self.plan, pass) {
+            scene_buffers::write_in_bands(&self.context, &self.buffers, &self.plan, &in_bands);
+            self.to_rgb = in_bands.bands.to_rgb;
+        }
+    }
+
     /// Record one pass after what was recorded; submit that and more where needed.
     fn record_pass(&mut self, pass: u64, before: wgpu::CommandEncoder) -> Result<wgpu::CommandEncoder> {
         if self.timer.as_ref().is_some_and(Timer::is_nearly_full) {
@@ -256,6 +272,9 @@ impl GpuBackend {
             self.renew_area_points(pass)?;
             self.host.add(HostWork::Lists, begin.elapsed());
         }
+        let begin = Instant::now();
+        self.set_bands(pass);
+        self.host.add(HostWork::Lists, begin.elapsed());
         if self.strips.count() > 1 {
             self.context.submit(before);
             self.submit_pass_in_strips(pass)?;

@@ -6,12 +6,13 @@ use crate::error::{Error, Result};
 use crate::film::paths::LightPaths;
 use crate::packed::layout::{AreaPoint, PathFilter};
 use crate::packed::{
-    Guide, HEAP_WORD, MAX_TARGETS, MAX_WARPS, PackedScene, Target, VISIBLE_CELL_WORDS, WARP_WORDS,
+    Guide, HEAP_WORD, MAX_TARGETS, MAX_WARPS, PackedEmitter, PackedScene, Target, VISIBLE_CELL_WORDS,
+    WARP_WORDS,
 };
-use crate::plan::Plan;
 use crate::plan::buffers::{
     Buffer, HEAP, SCENE_INFOS, SMALL_EMITTER_LISTS, heap_layout, heap_part_bytes, list_numbers,
 };
+use crate::plan::{Guides, InBands, Plan};
 use glam::Vec3;
 
 /// Upload a scene.
@@ -28,12 +29,7 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     let layout = heap_layout(scene, plan);
     let numbers = list_numbers(plan);
     let infos = numbers.map(|list| layout.info(list));
-    let emitters = [
-        &scene.emitters[..],
-        guides.direct.emitters(&scene.emitters),
-        guides.caustic.emitters(&scene.emitters),
-        guides.diffuse.emitters(&scene.emitters),
-    ];
+    let emitters = lists(scene, guides);
     let mut contents: Vec<(&str, &[u8])> = vec![
         ("nodes", bytemuck::cast_slice(scene.bvh.nodes())),
         ("triangles", bytemuck::cast_slice(&scene.triangles)),
@@ -65,14 +61,40 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
             }
         }
     }
-    let parts = HEAP.iter().filter_map(|name| buffers.get(name)).collect();
-    let heap = HeapWriter { context, parts, part_bytes: heap_part_bytes(&context.machine()) };
-    let lists = (0..emitters.len()).filter(|&i| i == 0 || numbers[i] > 0).map(|i| emitters[i]);
-    for (first, section) in layout.sections(scene, lists.collect()) {
+    let heap = HeapWriter::new(context, &buffers);
+    for (first, section) in layout.sections(scene, own_lists(emitters, numbers)) {
         heap.write(first, &section);
     }
     context.check()?;
     Ok(buffers)
+}
+
+/// Write what depends on the bands of a pass, for whatever is submitted next.
+pub(super) fn write_in_bands(context: &Context, buffers: &Buffers, plan: &Plan, in_bands: &InBands) {
+    let InBands { scene, guides, .. } = in_bands;
+    let (emitters, numbers) = (lists(scene, guides), list_numbers(plan));
+    let heap = HeapWriter::new(context, buffers);
+    for (first, section) in heap_layout(scene, plan).in_bands(scene, own_lists(emitters, numbers)) {
+        heap.write(first, section);
+    }
+    let small = SMALL_EMITTER_LISTS.into_iter().zip(emitters.map(bytemuck::cast_slice));
+    for (name, content) in small.chain([("materials", bytemuck::cast_slice(&scene.materials))]) {
+        if let Some(buffer) = buffers.get(name) {
+            context.queue.write_buffer(buffer, 0, content);
+        }
+    }
+}
+
+/// The emitters that kernels pick from, in the order of [`SCENE_INFOS`].
+fn lists<'a>(scene: &'a PackedScene, guides: &'a Guides) -> [&'a [PackedEmitter]; 4] {
+    let own = &scene.emitters[..];
+    [own, guides.direct.emitters(own), guides.caustic.emitters(own), guides.diffuse.emitters(own)]
+}
+
+/// Those of them that the heap has: the first, and those that have a number of their own.
+fn own_lists(lists: [&[PackedEmitter]; 4], numbers: [usize; 4]) -> Vec<&[PackedEmitter]> {
+    let is_own = |&(i, _): &(usize, _)| i == 0 || numbers[i] > 0;
+    lists.into_iter().enumerate().filter(is_own).map(|(_, list)| list).collect()
 }
 
 /// Writes sections of the heap, whether it lies in one buffer or in several.
@@ -84,7 +106,12 @@ struct HeapWriter<'a> {
     part_bytes: u64,
 }
 
-impl HeapWriter<'_> {
+impl<'a> HeapWriter<'a> {
+    fn new(context: &'a Context, buffers: &'a Buffers) -> Self {
+        let parts = HEAP.iter().filter_map(|name| buffers.get(name)).collect();
+        Self { context, parts, part_bytes: heap_part_bytes(&context.machine()) }
+    }
+
     /// Write a section from word `first` on.
     fn write(&self, first: u32, section: &[u8]) {
         let mut rest = section;

@@ -3,6 +3,7 @@
 //! Lobes that scatter (event D) are sampled as one mixture; of the delta lobes (event S), which light follows in one direction or
 //! nearly so, each is a way of its own.
 
+use crate::optics::shading::dielectric::in_one_band;
 use crate::optics::shading::frame::Frame;
 use crate::optics::shading::phong::Phong;
 use crate::optics::shading::{DELTA_MOST, DeltaLobe, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes};
@@ -100,6 +101,15 @@ impl Bsdf {
     /// Of a material, in a frame.
     pub(crate) fn new(m: &PackedMaterial, frame: Frame) -> Self {
         Self { frame, scatter: Scatter::of(m), delta: delta_lobes(m, &frame) }
+    }
+
+    /// Where bands part, let one go on: `u` in [0, 1), one number for a path, since from then on there is one to pick \[E36\].
+    pub(crate) fn part_bands(&mut self, m: &PackedMaterial, carried: &Bands, u: impl FnOnce() -> f32) {
+        if m.parts_bands()
+            && let Some(DeltaLobe::Interface(way)) = self.delta.last_mut()
+        {
+            *way = in_one_band(m, &self.frame, way, carried, u());
+        }
     }
 
     /// Part of the flux that takes each lobe, as max over bands of (albedo × carried) over that of carried.

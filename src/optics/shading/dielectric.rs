@@ -4,7 +4,7 @@
 use crate::optics::shading::frame::Frame;
 use crate::optics::shading::mirror::Mirror;
 use crate::packed::PackedMaterial;
-use crate::spectrum::{Bands, scale};
+use crate::spectrum::{BANDS, BLACK, Bands, mul};
 use glam::Vec3;
 
 /// Unpolarised reflectance of a dielectric interface \[E8\]; `eta` = n_t / n_i. 1 at total reflection.
@@ -41,28 +41,53 @@ pub(crate) struct Way {
     pub(crate) radiance_scale: f32,
 }
 
-/// Reflection and transmission at an interface.
+/// Reflection and transmission at an interface. Where bands part, the direction of transmission is that of `ior`: [`in_one_band`] has
+/// the others.
 pub(crate) fn ways(m: &PackedMaterial, f: &Frame) -> [Way; 2] {
-    let (reflectance, refracted, eta_i_over_t) = crossing(m, f);
+    let (reflectance, refracted, eta_i_over_t) = crossing(m, m.ior, f);
+    let reflectance = if m.flags().is_dispersive() {
+        m.iors.map(|ior| crossing(m, ior, f).0)
+    } else {
+        [reflectance; BANDS]
+    };
     [
-        Way { albedo: scale(&m.specular, reflectance), direction: Mirror::direction(f), radiance_scale: 1.0 },
+        Way { albedo: mul(&m.specular, &reflectance), direction: Mirror::direction(f), radiance_scale: 1.0 },
         Way {
-            albedo: scale(&m.transmission, 1.0 - reflectance),
+            albedo: mul(&m.transmission, &reflectance.map(|r| 1.0 - r)),
             direction: refracted,
             radiance_scale: eta_i_over_t * eta_i_over_t,
         },
     ]
 }
 
+/// What is transmitted where bands part: one band, picked by what of each would be, p = c/Σc; that of the others is black \[E36\].
+/// `transmission` is the second of the [`ways`], `u` in [0, 1).
+pub(crate) fn in_one_band(m: &PackedMaterial, f: &Frame, transmission: &Way, carried: &Bands, u: f32) -> Way {
+    let parts = mul(carried, &transmission.albedo).map(f64::from);
+    let total: f64 = parts.iter().sum();
+    let mut upto = 0.0;
+    let is_picked = |part: &f64| {
+        upto += part;
+        *part > 0.0 && f64::from(u) * total < upto
+    };
+    // rounding may leave a sum below the total
+    let picked = parts.iter().position(is_picked).or_else(|| parts.iter().rposition(|part| *part > 0.0));
+    let Some(band) = picked else { return Way { albedo: BLACK, ..*transmission } };
+    let (_, direction, eta_i_over_t) = crossing(m, m.iors[band], f);
+    let mut albedo = BLACK;
+    albedo[band] = (f64::from(transmission.albedo[band]) * total / parts[band]) as f32;
+    Way { albedo, direction, radiance_scale: eta_i_over_t * eta_i_over_t }
+}
+
 /// Share that is reflected, direction of the rest (arbitrary where all is), and η of the side that the ray comes from over
 /// that of the side it would go to.
-fn crossing(m: &PackedMaterial, f: &Frame) -> (f32, Vec3, f32) {
+fn crossing(m: &PackedMaterial, ior: f32, f: &Frame) -> (f32, Vec3, f32) {
     let n = f.specular_normal();
     let along = -f.back;
     if m.flags().is_thin() {
-        return (pane_reflectance(fresnel(f.back.dot(n), m.ior)), along, 1.0);
+        return (pane_reflectance(fresnel(f.back.dot(n), ior)), along, 1.0);
     }
-    let eta_i_over_t = if f.front { 1.0 / m.ior } else { m.ior };
+    let eta_i_over_t = if f.front { 1.0 / ior } else { ior };
     let about = |n: Vec3| {
         let crossing = refract(along, n, eta_i_over_t).filter(|w| w.dot(f.ng) < 0.0);
         crossing.map(|w| (fresnel(f.back.dot(n), 1.0 / eta_i_over_t), w))
@@ -78,6 +103,7 @@ mod tests {
     use super::*;
     use crate::sampling::distributions::cosine_hemisphere;
     use crate::sampling::rng::sobol2;
+    use crate::scene::{Dielectric, Material};
 
     /// Values from the equations: ((n−1)/(n+1))² head on, 0 at Brewster's angle for half the light, 1 beyond critical.
     #[test]
@@ -93,6 +119,55 @@ mod tests {
         assert_eq!(fresnel(critical - 1e-3, 1.0 / 1.5), 1.0);
         assert!(fresnel(critical + 1e-2, 1.0 / 1.5) < 0.9);
         assert_eq!(fresnel(0.0, 1.5), 1.0);
+    }
+
+    /// Bands part without bias: over even numbers each carries what it would, one at a time, and goes by its own index.
+    #[test]
+    fn bands_part_and_add_up() {
+        let glass = Material {
+            dielectric: Some(Dielectric {
+                ior: 1.5,
+                reflection_tint: [1.0; 3],
+                transmission_tint: [0.9, 0.5, 0.8],
+            }),
+            ..Material::matte("glass", BLACK)
+        };
+        let mut m = PackedMaterial::new(&glass);
+        m.iors = [1.4, 1.5, 1.7];
+        m.set_dispersive();
+        const COUNT: usize = 3000;
+        for (i, carried) in
+            [[1.0f32, 1.0, 1.0], [0.2, 0.0, 3.0], [0.0, 0.7, 0.0], BLACK].into_iter().enumerate()
+        {
+            let back = Vec3::new(0.6, 0.0, 0.8);
+            let f = Frame { back, ng: Vec3::Z, ns: Vec3::Z, front: i % 2 == 0 };
+            let [reflected, transmitted] = ways(&m, &f);
+            let mut sum = [0.0f64; BANDS];
+            for k in 0..COUNT {
+                let way = in_one_band(&m, &f, &transmitted, &carried, (k as f32 + 0.5) / COUNT as f32);
+                let goes_on = mul(&carried, &way.albedo);
+                assert!(goes_on.iter().filter(|&&x| x > 0.0).count() <= 1, "one band: {goes_on:?}");
+                (0..BANDS).for_each(|b| sum[b] += f64::from(goes_on[b]) / COUNT as f64);
+                if let Some(band) = goes_on.iter().position(|&x| x > 0.0) {
+                    let eta = if f.front { m.iors[band] } else { 1.0 / m.iors[band] };
+                    let sine = way.direction.cross(Vec3::Z).length();
+                    assert!((eta * sine - 0.6).abs() < 1e-6, "band {band}: Snell's sine {sine}");
+                    assert!((way.radiance_scale * eta * eta - 1.0).abs() < 1e-5, "band {band}");
+                    let face = fresnel(0.8, eta);
+                    assert!((reflected.albedo[band] - face).abs() < 1e-6, "band {band} by its own index");
+                }
+            }
+            for b in 0..BANDS {
+                let eta = if f.front { m.iors[b] } else { 1.0 / m.iors[b] };
+                let wanted = carried[b] * m.transmission[b] * (1.0 - fresnel(0.8, eta));
+                assert!(
+                    (sum[b] - f64::from(wanted)).abs()
+                        < 1e-9 + 2e-3 * f64::from(carried[0] + carried[1] + carried[2]),
+                    "band {b} of {carried:?}: {} {wanted}",
+                    sum[b]
+                );
+            }
+        }
     }
 
     /// A pane reflects what the sum over all ways between its faces says: R + (1−R)² R Σ R^2k.

@@ -56,6 +56,10 @@ impl Bsdf {
 
 /// The lights, if each has a counterpart.
 pub(super) fn check_lights<'a>(scene: &'a Scene, source: &Path) -> Result<&'a [Light]> {
+    if scene.wavelengths.are_rendered {
+        let what = "light by wavelength is not written for other renderers".to_string();
+        return Err(unsupported(source, what, "write it in red, green and blue: --spectral off"));
+    }
     for (i, light) in scene.lights.iter().enumerate() {
         if let Light::Spot { angle_inner, angle_outer, .. } = light
             && angle_inner != angle_outer

@@ -1,0 +1,187 @@
+//! Spectra: a scene by wavelength, and what its materials and lights are in the three bands of a pass \[E34\].
+//!
+//! The bands of a pass are three wavelengths. Everything that does not depend on them (hierarchy, probabilities, flags) is that of
+//! the packed scene, whose own bands are red, green and blue: they decide what is learned and planned before the first pass.
+
+use super::PackedScene;
+use super::emitters::{PackedEmitter, Source};
+use super::surfaces::PackedMaterial;
+use crate::scene::{Light, Material, MaterialSpectra, Scene};
+use crate::spectrum::glass::Index;
+use crate::spectrum::lamp::Emission;
+use crate::spectrum::pick::{Pick, rgb_matrix};
+use crate::spectrum::wavelengths::Distribution;
+use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black};
+
+/// A scene by wavelength.
+#[derive(Debug, Clone)]
+pub struct Spectra {
+    distribution: Distribution,
+    materials: Vec<Curves>,
+    /// Of each material, then of each light; none where it emits nothing.
+    emissions: Vec<Option<Emission>>,
+    /// Of each emitter.
+    sources: Vec<Source>,
+}
+
+/// What a material is by wavelength. Where a lobe is black in red, green and blue, it is black.
+#[derive(Debug, Clone)]
+struct Curves {
+    diffuse: Spectrum,
+    specular: Spectrum,
+    glossy: Spectrum,
+    transmission: Spectrum,
+    index: Option<Index>,
+}
+
+/// What the bands of a pass are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PassBands {
+    /// The wavelength of each.
+    pub picks: [Pick; BANDS],
+    /// Linear red, green and blue of the bands: rows.
+    pub to_rgb: [Bands; 3],
+}
+
+impl PassBands {
+    /// Linear red, green and blue of what was seen in the bands.
+    pub fn rgb(&self, seen: &Bands) -> [f32; 3] {
+        self.to_rgb.map(|row| row.iter().zip(seen).map(|(m, x)| m * x).sum())
+    }
+}
+
+impl Curves {
+    fn new(m: &Material, packed: &PackedMaterial) -> Self {
+        let stated = m.spectra.as_deref().cloned().unwrap_or_default();
+        let MaterialSpectra { diffuse, glossy, specular, transmission, index, emission: _ } = stated;
+        let curve = |rgb: Bands, stated: Option<Spectrum>| {
+            stated.unwrap_or_else(|| Spectrum::reflectance_of_rgb(rgb.map(f64::from)))
+        };
+        // what is followed as a mirror lies there
+        let specular = if packed.has_narrow_lobe() { glossy.clone() } else { specular };
+        Self {
+            diffuse: curve(packed.diffuse, diffuse),
+            specular: curve(packed.specular, specular),
+            glossy: curve(packed.glossy, glossy),
+            transmission: curve(packed.transmission, transmission),
+            index,
+        }
+    }
+
+    /// A material at wavelengths, nm.
+    fn at(&self, base: &PackedMaterial, lambdas: [f64; BANDS]) -> PackedMaterial {
+        let value = |rgb: &Bands, curve: &Spectrum| {
+            if is_black(rgb) { BLACK } else { lambdas.map(|lambda| curve.at(lambda).clamp(0.0, 1.0) as f32) }
+        };
+        let mut m = *base;
+        m.diffuse = value(&base.diffuse, &self.diffuse);
+        m.specular = value(&base.specular, &self.specular);
+        m.glossy = value(&base.glossy, &self.glossy);
+        m.transmission = value(&base.transmission, &self.transmission);
+        if !base.flags().is_dielectric() {
+            // lobes that reflect no more than arrives as colours may do so at a wavelength
+            for band in 0..BANDS {
+                let total = m.diffuse[band] + m.specular[band] + m.glossy[band];
+                for lobe in [&mut m.diffuse, &mut m.specular, &mut m.glossy] {
+                    lobe[band] /= total.max(1.0);
+                }
+            }
+        }
+        if let Some(index) = self.dispersion() {
+            m.iors = lambdas.map(|lambda| index.at(lambda) as f32);
+            m.set_dispersive();
+        }
+        m
+    }
+
+    /// The index, where it depends on the wavelength.
+    fn dispersion(&self) -> Option<&Index> {
+        self.index.as_ref().filter(|index| index.is_dispersive())
+    }
+}
+
+impl Spectra {
+    /// A scene whose emitters have these sources; all is packed. How much a wavelength is looked at follows from what the lights emit.
+    pub(super) fn new(
+        scene: &Scene,
+        materials: &[PackedMaterial],
+        emitters: &[PackedEmitter],
+        sources: Vec<Source>,
+    ) -> Self {
+        let of_rgb = |rgb: Bands| Emission::continuous(Spectrum::emission_of_rgb(rgb.map(f64::from)));
+        let of_material = |m: &Material| {
+            let stated = m.spectra.as_ref().and_then(|s| s.emission.clone());
+            m.emits().then(|| stated.unwrap_or_else(|| of_rgb(m.emission)))
+        };
+        let of_light = |(i, light): (usize, &Light)| {
+            Some(scene.spectrum_of_light(i).cloned().unwrap_or_else(|| of_rgb(light.power())))
+        };
+        let lights = scene.lights.iter().enumerate().map(of_light);
+        let emissions: Vec<Option<Emission>> =
+            scene.materials.iter().map(of_material).chain(lights).collect();
+        let mut shares = vec![0.0; emissions.len()];
+        for (e, source) in emitters.iter().zip(&sources) {
+            shares[source.emission as usize] += flux_of_strength(e) * f64::from(source.scale);
+        }
+        let lit = shares.iter().zip(&emissions).filter_map(|(share, e)| Some((*share, e.as_ref()?)));
+        let distribution = Distribution::new(lit.filter(|(share, _)| *share > 0.0));
+        let curves: Vec<Curves> =
+            scene.materials.iter().zip(materials).map(|(m, packed)| Curves::new(m, packed)).collect();
+        Self { distribution, materials: curves, emissions, sources }
+    }
+
+    /// True where some index depends on the wavelength.
+    pub fn disperses(&self) -> bool {
+        self.materials.iter().any(|curves| curves.dispersion().is_some())
+    }
+
+    /// What the bands of a pass are; no pass of a seed has those of another.
+    pub fn bands(&self, seed: u32, pass: u64) -> PassBands {
+        let picks = self.distribution.of_pass(seed.into(), pass);
+        let to_rgb = rgb_matrix(&picks).map(|row| row.map(|x| x as f32));
+        PassBands { picks, to_rgb }
+    }
+
+    /// Materials in the bands of a pass; `base` are those of the scene.
+    pub fn materials(&self, base: &[PackedMaterial], bands: &PassBands) -> Vec<PackedMaterial> {
+        let lambdas = bands.picks.map(|pick| pick.lambda);
+        let mut materials: Vec<PackedMaterial> =
+            self.materials.iter().zip(base).map(|(curves, base)| curves.at(base, lambdas)).collect();
+        for (m, emission) in materials.iter_mut().zip(&self.emissions) {
+            m.emission = emission.as_ref().map_or(BLACK, |e| value(e, bands));
+        }
+        materials
+    }
+
+    /// A list of the scene's emitters in the bands of a pass; its probabilities stay.
+    pub fn emitters(&self, base: &[PackedEmitter], bands: &PassBands) -> Vec<PackedEmitter> {
+        let values: Vec<Bands> =
+            self.emissions.iter().map(|e| e.as_ref().map_or(BLACK, |e| value(e, bands))).collect();
+        let at = |(e, source): (&PackedEmitter, &Source)| {
+            let flux = flux_of_strength(e);
+            let strength = values[source.emission as usize].map(|x| x * source.scale);
+            PackedEmitter { strength, flux: strength.map(|s| (f64::from(s) * flux) as f32), ..*e }
+        };
+        base.iter().zip(&self.sources).map(at).collect()
+    }
+
+    /// The scene in the bands of a pass.
+    pub fn scene(&self, base: &PackedScene, bands: &PassBands) -> PackedScene {
+        PackedScene {
+            materials: self.materials(&base.materials, bands),
+            emitters: self.emitters(&base.emitters, bands),
+            ..base.clone()
+        }
+    }
+}
+
+/// What is emitted in the bands of a pass.
+fn value(emission: &Emission, bands: &PassBands) -> Bands {
+    bands.picks.map(|pick| emission.value(&pick) as f32)
+}
+
+/// Flux of an emitter over its strength, the same in each band.
+fn flux_of_strength(e: &PackedEmitter) -> f64 {
+    let largest = (0..BANDS).max_by(|&a, &b| e.strength[a].total_cmp(&e.strength[b])).unwrap_or(0);
+    f64::from(e.flux[largest]) / f64::from(e.strength[largest])
+}
