@@ -1,6 +1,6 @@
 //! The CIE's observer of 1931 and its illuminants; colours of spectra.
 //!
-//! XYZ = ∫ S (x̄, ȳ, z̄) dλ / ∫ ȳ dλ, and linear sRGB from it  [E32]  CIE 15:2018, IEC 61966-2-1. What has radiances in
+//! XYZ = ∫ S (x̄, ȳ, z̄) dλ / ∫ ȳ dλ, and linear sRGB from it  \[E32\]  CIE 15:2018, IEC 61966-2-1. What has radiances in
 //! W/(m² sr nm) thereby has Y = 1 for a constant spectrum of 1.
 
 use super::table::{Table, published};
@@ -78,7 +78,7 @@ pub fn integral(f: impl Fn(f64) -> f64) -> f64 {
     quadrature().map(|(lambda, weight)| weight * f(lambda)).sum()
 }
 
-/// XYZ of a spectrum per nm  [E32].
+/// XYZ of a spectrum per nm  \[E32\].
 pub fn xyz(spectrum: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for (lambda, weight) in quadrature() {

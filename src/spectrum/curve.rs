@@ -1,6 +1,6 @@
 //! Spectra: how much at which wavelength, of emission or of reflectance.
 //!
-//! Emission is in W/(m² sr nm) or whatever stands for it, and normalised such that Y = 1 where nothing else is said [E32];
+//! Emission is in W/(m² sr nm) or whatever stands for it, and normalised such that Y = 1 where nothing else is said \[E32\];
 //! reflectance has no unit.
 
 use super::cie::{Illuminant, cmf, integral, xyz, xyz_to_rgb, y_integral};
@@ -53,7 +53,7 @@ impl Spectrum {
         }
     }
 
-    /// A reflectance of this linear sRGB under D65, clamped to [0, 1] before  [E33].
+    /// A reflectance of this linear sRGB under D65, clamped to [0, 1] before  \[E33\].
     pub fn reflectance_of_rgb(rgb: [f64; 3]) -> Self {
         if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
             return Self::Constant(reflected_part(rgb[0]));
@@ -62,7 +62,7 @@ impl Spectrum {
     }
 
     /// Emission of this linear sRGB: a reflectance of half the brightness, lit by as much more of D65; white is D65 itself.
-    /// Negative bands count as zero  [E33].
+    /// Negative bands count as zero  \[E33\].
     pub fn emission_of_rgb(rgb: [f64; 3]) -> Self {
         let rgb = rgb.map(|c| c.max(0.0));
         let scale = 2.0 * rgb.into_iter().fold(0.0, f64::max);
@@ -104,12 +104,12 @@ impl Spectrum {
         }
     }
 
-    /// XYZ as emission  [E32].
+    /// XYZ as emission  \[E32\].
     pub fn to_xyz(&self) -> [f64; 3] {
         xyz(|lambda| self.at(lambda))
     }
 
-    /// Linear sRGB as emission  [E32].
+    /// Linear sRGB as emission  \[E32\].
     pub fn to_rgb(&self) -> [f64; 3] {
         xyz_to_rgb(self.to_xyz())
     }

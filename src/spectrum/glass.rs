@@ -1,6 +1,6 @@
 //! Indices of refraction over wavelength.
 //!
-//! Sellmeier: n² = 1 + Σ B λ²/(λ² - C). Cauchy: n = A + B/λ². λ in µm [E35]. Of clear media: what they absorb is not told
+//! Sellmeier: n² = 1 + Σ B λ²/(λ² - C). Cauchy: n = A + B/λ². λ in µm \[E35\]. Of clear media: what they absorb is not told
 //! here.
 
 use super::table::{Outside, Table};
@@ -194,7 +194,7 @@ impl Index {
         }
     }
 
-    /// Index at `lambda`, nm  [E35].
+    /// Index at `lambda`, nm  \[E35\].
     pub fn at(&self, lambda: f64) -> f64 {
         let square = (lambda * 1e-3) * (lambda * 1e-3);
         match self {

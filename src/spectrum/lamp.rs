@@ -1,7 +1,7 @@
 //! Emission with lines: lamps of gas at low pressure, and lasers.
 //!
 //! A line has no width: what it carries is integrated over wavelength, and only a pass that has exactly its wavelength sees it
-//! [E34].
+//! \[E34\].
 
 use super::cie::{Illuminant, line_xyz, xyz_to_rgb};
 use super::curve::Spectrum;
@@ -119,7 +119,7 @@ impl Emission {
         }
     }
 
-    /// XYZ of all that is emitted  [E32].
+    /// XYZ of all that is emitted  \[E32\].
     pub fn to_xyz(&self) -> [f64; 3] {
         let mut sum = self.continuous.as_ref().map_or([0.0; 3], Spectrum::to_xyz);
         for line in &self.lines {
@@ -129,12 +129,12 @@ impl Emission {
         sum
     }
 
-    /// Linear sRGB of all that is emitted  [E32].
+    /// Linear sRGB of all that is emitted  \[E32\].
     pub fn to_rgb(&self) -> [f64; 3] {
         xyz_to_rgb(self.to_xyz())
     }
 
-    /// What is emitted at a picked wavelength  [E34]: where it is an atom, the power of the lines that are exactly there and
+    /// What is emitted at a picked wavelength  \[E34\]: where it is an atom, the power of the lines that are exactly there and
     /// nothing else, W/(m² sr); elsewhere the continuous spectrum, W/(m² sr nm), and no line.
     pub fn value(&self, pick: &Pick) -> f64 {
         match pick.atom {

@@ -1,6 +1,6 @@
 //! Tables: values over wavelength, linear between them.
 //!
-//! [`published`] reads those that the program carries, from `tables.txt`, which `scripts/spectral-tables.py` makes.
+//! `published` reads those that the program carries, from `tables.txt`, which `scripts/spectral-tables.py` makes.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -1,6 +1,6 @@
 //! Smooth reflectances that have a given colour under daylight.
 //!
-//! R(λ) = ½ + x / (2 √(1+x²)),  x = c₀ t² + c₁ t + c₂,  t = (λ-360)/470  [E33]  Jakob & Hanika 2019. The coefficients are
+//! R(λ) = ½ + x / (2 √(1+x²)),  x = c₀ t² + c₁ t + c₂,  t = (λ-360)/470  \[E33\]  Jakob & Hanika 2019. The coefficients are
 //! found by damped Gauss-Newton steps in CIE L*a*b*, as in the paper, but with exact derivatives and without a table.
 
 use super::cie::{Illuminant, Matrix, STEPS, cmf, rgb_to_xyz, y_integral};

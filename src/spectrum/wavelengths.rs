@@ -1,7 +1,7 @@
 //! Which wavelengths the bands of a pass have.
 //!
 //! Wavelengths are drawn from a density over 360 to 830 nm, mixed with atoms, the lines of lamps. A pass has three of them, a
-//! third of the probability apart; 2^m passes have 3·2^m that are evenly spread  [E34].
+//! third of the probability apart; 2^m passes have 3·2^m that are evenly spread  \[E34\].
 
 use super::LAMBDA_MIN;
 use super::cie::{STEPS, sensitivity};
