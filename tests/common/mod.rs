@@ -176,7 +176,9 @@ pub fn random_direction(stream: u32, number: usize) -> glam::Vec3 {
 
 /// A uniform of zeros but for what a test sets.
 pub fn pass_info() -> PassInfo {
-    PassInfo { light_candidates: 1, ..bytemuck::Zeroable::zeroed() }
+    // the bands are red, green and blue
+    let [red, green, blue] = [glam::Vec4::X, glam::Vec4::Y, glam::Vec4::Z];
+    PassInfo { light_candidates: 1, red, green, blue, ..bytemuck::Zeroable::zeroed() }
 }
 
 /// A uniform of zeros but for what a test sets.
