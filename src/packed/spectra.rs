@@ -142,42 +142,44 @@ impl Spectra {
         PassBands { picks, to_rgb }
     }
 
-    /// Materials in the bands of a pass; `base` are those of the scene.
-    pub fn materials(&self, base: &[PackedMaterial], bands: &PassBands) -> Vec<PackedMaterial> {
+    /// What is emitted in the bands of a pass: by each material, then by each light.
+    pub fn emitted(&self, bands: &PassBands) -> Vec<Bands> {
+        let value = |e: &Emission| bands.picks.map(|pick| e.value(&pick) as f32);
+        self.emissions.iter().map(|e| e.as_ref().map_or(BLACK, value)).collect()
+    }
+
+    /// Materials in the bands of a pass; `base` are those of the scene, `emitted` is what [`Spectra::emitted`] says.
+    fn materials(
+        &self,
+        base: &[PackedMaterial],
+        bands: &PassBands,
+        emitted: &[Bands],
+    ) -> Vec<PackedMaterial> {
         let lambdas = bands.picks.map(|pick| pick.lambda);
         let mut materials: Vec<PackedMaterial> =
             self.materials.iter().zip(base).map(|(curves, base)| curves.at(base, lambdas)).collect();
-        for (m, emission) in materials.iter_mut().zip(&self.emissions) {
-            m.emission = emission.as_ref().map_or(BLACK, |e| value(e, bands));
-        }
+        materials.iter_mut().zip(emitted).for_each(|(m, emission)| m.emission = *emission);
         materials
     }
 
     /// A list of the scene's emitters in the bands of a pass; its probabilities stay.
-    pub fn emitters(&self, base: &[PackedEmitter], bands: &PassBands) -> Vec<PackedEmitter> {
-        let values: Vec<Bands> =
-            self.emissions.iter().map(|e| e.as_ref().map_or(BLACK, |e| value(e, bands))).collect();
+    pub fn emitters(&self, base: &[PackedEmitter], emitted: &[Bands]) -> Vec<PackedEmitter> {
         let at = |(e, source): (&PackedEmitter, &Source)| {
             let flux = flux_of_strength(e);
-            let strength = values[source.emission as usize].map(|x| x * source.scale);
+            let strength = emitted[source.emission as usize].map(|x| x * source.scale);
             PackedEmitter { strength, flux: strength.map(|s| (f64::from(s) * flux) as f32), ..*e }
         };
         base.iter().zip(&self.sources).map(at).collect()
     }
 
     /// The scene in the bands of a pass.
-    pub fn scene(&self, base: &PackedScene, bands: &PassBands) -> PackedScene {
+    pub fn scene(&self, base: &PackedScene, bands: &PassBands, emitted: &[Bands]) -> PackedScene {
         PackedScene {
-            materials: self.materials(&base.materials, bands),
-            emitters: self.emitters(&base.emitters, bands),
+            materials: self.materials(&base.materials, bands, emitted),
+            emitters: self.emitters(&base.emitters, emitted),
             ..base.clone()
         }
     }
-}
-
-/// What is emitted in the bands of a pass.
-fn value(emission: &Emission, bands: &PassBands) -> Bands {
-    bands.picks.map(|pick| emission.value(&pick) as f32)
 }
 
 /// Flux of an emitter over its strength, the same in each band.

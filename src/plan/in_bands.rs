@@ -20,11 +20,12 @@ impl InBands {
     pub fn of(scene: &PackedScene, plan: &Plan, pass: u64) -> Option<Self> {
         let spectra = scene.spectra.as_deref()?;
         let bands = spectra.bands(plan.settings.seed, pass);
+        let emitted = spectra.emitted(&bands);
         let Guides { caustic, diffuse, direct } = &*plan.guides;
         let [caustic, diffuse, direct] =
-            [caustic, diffuse, direct].map(|guide| guide.with(|list| spectra.emitters(list, &bands)));
+            [caustic, diffuse, direct].map(|guide| guide.with(|list| spectra.emitters(list, &emitted)));
         let guides = Arc::new(Guides { caustic, diffuse, direct });
-        Some(Self { bands, scene: spectra.scene(scene, &bands), guides })
+        Some(Self { bands, scene: spectra.scene(scene, &bands, &emitted), guides })
     }
 
     /// The plan of a pass in these bands.

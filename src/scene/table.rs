@@ -177,43 +177,21 @@ impl<'a> Table<'a> {
 
     fn numbers<const N: usize>(&self, key: &str) -> Option<(Option<[f64; N]>, usize)> {
         let (value, line, _) = self.get(key)?;
-        let values = match value {
-            DeValue::Array(items) => {
-                items.iter().map(|item| finite(item.get_ref())).collect::<Option<Vec<f64>>>()
-            }
-            _ => None,
-        };
-        Some((values.and_then(|v| v.try_into().ok()), line))
+        Some((all_finite(value).and_then(|v| v.try_into().ok()), line))
     }
 
     /// Any number of finite numbers.
     pub(crate) fn list(&self, key: &str) -> Result<Option<At<Vec<f64>>>> {
         let Some((value, line, _)) = self.get(key) else { return Ok(None) };
-        let values = match value {
-            DeValue::Array(items) => items.iter().map(|item| finite(item.get_ref())).collect(),
-            _ => None,
-        };
-        let values: Option<Vec<f64>> = values;
-        values
-            .map(|value| Some(At { value, line }))
-            .ok_or_else(|| self.wrong(key, line, "finite numbers: [a, b, …]"))
+        let values = all_finite(value).map(|value| Some(At { value, line }));
+        values.ok_or_else(|| self.wrong(key, line, "finite numbers: [a, b, …]"))
     }
 
     /// Any number of pairs of finite numbers.
     pub(crate) fn pairs(&self, key: &str) -> Result<Option<At<Vec<[f64; 2]>>>> {
         let Some((value, line, _)) = self.get(key) else { return Ok(None) };
-        let pair = |item: &Spanned<DeValue<'a>>| -> Option<[f64; 2]> {
-            let DeValue::Array(items) = item.get_ref() else { return None };
-            let numbers: Option<Vec<f64>> = items.iter().map(|item| finite(item.get_ref())).collect();
-            numbers?.try_into().ok()
-        };
-        let values: Option<Vec<[f64; 2]>> = match value {
-            DeValue::Array(items) => items.iter().map(pair).collect(),
-            _ => None,
-        };
-        values
-            .map(|value| Some(At { value, line }))
-            .ok_or_else(|| self.wrong(key, line, "pairs of finite numbers: [[nm, value], …]"))
+        let values = rows::<2>(value).map(|value| Some(At { value, line }));
+        values.ok_or_else(|| self.wrong(key, line, "pairs of finite numbers: [[nm, value], …]"))
     }
 
     /// A text or a table within this one, where the value is one of these.
@@ -266,15 +244,7 @@ impl<'a> Table<'a> {
     /// Three rows of four finite numbers; a fourth row may follow, which is that of every affine map.
     pub(crate) fn matrix(&self, key: &str) -> Result<Option<At<[[f64; 4]; 3]>>> {
         let Some((value, line, _)) = self.get(key) else { return Ok(None) };
-        let row = |item: &Spanned<DeValue<'a>>| -> Option<[f64; 4]> {
-            let DeValue::Array(items) = item.get_ref() else { return None };
-            let numbers: Option<Vec<f64>> = items.iter().map(|item| finite(item.get_ref())).collect();
-            numbers?.try_into().ok()
-        };
-        let rows: Option<Vec<[f64; 4]>> = match value {
-            DeValue::Array(items) => items.iter().map(row).collect(),
-            _ => None,
-        };
+        let rows = rows::<4>(value);
         match rows.as_deref() {
             Some([a, b, c] | [a, b, c, [0.0, 0.0, 0.0, 1.0]]) => Ok(Some(At { value: [*a, *b, *c], line })),
             _ => Err(self.wrong(key, line, "three rows of four finite numbers: [[…, x], […, y], […, z]]")),
@@ -300,6 +270,18 @@ impl<'a> Table<'a> {
             _ => Err(self.wrong(key, line, "three finite numbers of at least 0: [r, g, b], or one for all")),
         }
     }
+}
+
+/// An array of finite numbers.
+fn all_finite(value: &DeValue) -> Option<Vec<f64>> {
+    let DeValue::Array(items) = value else { return None };
+    items.iter().map(|item| finite(item.get_ref())).collect()
+}
+
+/// An array of arrays of so many finite numbers.
+fn rows<const N: usize>(value: &DeValue) -> Option<Vec<[f64; N]>> {
+    let DeValue::Array(items) = value else { return None };
+    items.iter().map(|item| all_finite(item.get_ref())?.try_into().ok()).collect()
 }
 
 fn finite(value: &DeValue) -> Option<f64> {

@@ -72,6 +72,14 @@ impl Lamp {
     }
 }
 
+/// Says so where nobody could see light of this wavelength, nm.
+fn check_seen(lambda: f64) -> Result<(), String> {
+    if line_xyz(lambda)[1] > 0.0 {
+        return Ok(());
+    }
+    Err(format!("a line at {lambda} nm cannot be seen: it must be from 360 to 830 nm"))
+}
+
 impl Emission {
     /// Emission without lines.
     pub fn continuous(spectrum: Spectrum) -> Self {
@@ -80,11 +88,8 @@ impl Emission {
 
     /// One line of Y = 1. Says so where nobody could see it.
     pub fn laser(lambda: f64) -> Result<Self, String> {
-        if line_xyz(lambda)[1] > 0.0 {
-            Ok(Self::normalised(&[[lambda, 1.0]]))
-        } else {
-            Err(format!("a line at {lambda} nm cannot be seen: it must be from 360 to 830 nm"))
-        }
+        check_seen(lambda)?;
+        Ok(Self::normalised(&[[lambda, 1.0]]))
     }
 
     /// Lines. Says so where one of them could not be seen, or has no power.
@@ -93,9 +98,7 @@ impl Emission {
             return Err("there is no line".into());
         }
         for Line { lambda, power } in &lines {
-            if line_xyz(*lambda)[1] <= 0.0 {
-                return Err(format!("a line at {lambda} nm cannot be seen: it must be from 360 to 830 nm"));
-            }
+            check_seen(*lambda)?;
             if !(*power > 0.0 && power.is_finite()) {
                 return Err(format!("the line at {lambda} nm has the power {power}"));
             }
