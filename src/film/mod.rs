@@ -246,6 +246,17 @@ pub(crate) fn half(pass: u64) -> usize {
     }
 }
 
+/// Which pass of its half it is, from 0 on.
+pub(crate) fn place_in_half(pass: u64) -> u64 {
+    match pass {
+        0 | 1 => 0,
+        _ => {
+            let length = 1 << (pass.ilog2() - 1);
+            length + pass % length
+        }
+    }
+}
+
 impl Film {
     /// An empty film.
     pub fn new(width: u32, height: u32) -> Self {

@@ -6,6 +6,7 @@
 use super::PackedScene;
 use super::emitters::{PackedEmitter, Source};
 use super::surfaces::PackedMaterial;
+use crate::film::{half, place_in_half};
 use crate::scene::{Light, Material, MaterialSpectra, Scene};
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
@@ -137,7 +138,7 @@ impl Spectra {
 
     /// What the bands of a pass are; no pass of a seed has those of another.
     pub fn bands(&self, seed: u32, pass: u64) -> PassBands {
-        let picks = self.distribution.of_pass(seed.into(), pass);
+        let picks = self.distribution.of_pass(seed.into(), place_in_sequence(pass));
         let to_rgb = rgb_matrix(&picks).map(|row| row.map(|x| x as f32));
         PassBands { picks, to_rgb }
     }
@@ -180,6 +181,12 @@ impl Spectra {
             ..base.clone()
         }
     }
+}
+
+/// Where in the sequence of wavelengths a pass is. The two of a pair mirror each other, and are in different halves of the passes: each
+/// half alone, whose difference tells the error, then is evenly spread.
+fn place_in_sequence(pass: u64) -> u64 {
+    2 * place_in_half(pass) + half(pass) as u64
 }
 
 /// Flux of an emitter over its strength, the same in each band.

@@ -391,6 +391,7 @@ fn spread(parts: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::place_in_half;
     use crate::sampling::rng::random4;
 
     const SIZE: [u32; 2] = [40, 40];
@@ -575,6 +576,7 @@ mod tests {
     fn halves_are_halves() {
         let mut counts = [0u64; 2];
         for pass in 0..4096u64 {
+            assert_eq!(place_in_half(pass), counts[half(pass)], "{pass}");
             counts[half(pass)] += 1;
             assert!((pass..pass + run(pass)).all(|p| half(p) == half(pass)), "{pass}");
             assert_ne!(half(pass + run(pass)), half(pass), "{pass}");

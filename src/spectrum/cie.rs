@@ -115,7 +115,7 @@ pub fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
 }
 
 /// Inverse of a matrix by its cofactors.
-fn inverse(m: &Matrix) -> Matrix {
+pub fn inverse(m: &Matrix) -> Matrix {
     let minor = |r: usize, c: usize| {
         let ([r1, r2], [c1, c2]) = ([(r + 1) % 3, (r + 2) % 3], [(c + 1) % 3, (c + 2) % 3]);
         m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
