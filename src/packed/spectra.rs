@@ -138,7 +138,7 @@ impl Spectra {
 
     /// What the bands of a pass are; no pass of a seed has those of another.
     pub fn bands(&self, seed: u32, pass: u64) -> PassBands {
-        let picks = self.distribution.of_pass(seed.into(), place_in_sequence(pass));
+        let picks = self.distribution.of_pass(seed.into(), half(pass), place_in_half(pass));
         let to_rgb = rgb_matrix(&picks).map(|row| row.map(|x| x as f32));
         PassBands { picks, to_rgb }
     }
@@ -181,12 +181,6 @@ impl Spectra {
             ..base.clone()
         }
     }
-}
-
-/// Where in the sequence of wavelengths a pass is. The two of a pair mirror each other, and are in different halves of the passes: each
-/// half alone, whose difference tells the error, then is evenly spread.
-fn place_in_sequence(pass: u64) -> u64 {
-    2 * place_in_half(pass) + half(pass) as u64
 }
 
 /// Flux of an emitter over its strength, the same in each band.
