@@ -7,6 +7,8 @@ use joton::packed::PackedScene;
 use joton::plan::{Plan, Settings};
 use joton::render::{Reason, Stop, render};
 use joton::scene::Scene;
+use joton::spectrum::Spectrum;
+use joton::spectrum::cie::{xyz, xyz_to_rgb};
 use std::sync::Arc;
 
 /// As in `joton compare`.
@@ -74,6 +76,28 @@ fn error_estimate_holds_and_is_not_too_pessimistic() {
         println!("{name}: {bounded} bounded, {useful} useful, of {}", all.len());
         assert!(bounded >= HOLDS && useful >= HOLDS, "{name}: {bounded} bounded, {useful} useful: {all:.4?}");
     }
+}
+
+/// A plane under the sun, rendered by wavelength: its colours, which wavelengths make, are all that can be wrong; they follow by
+/// integration. The passes that are compared have wavelengths of their own. What their difference tells is one to three times
+/// the error, root mean square over seeds.
+#[test]
+fn by_wavelength_the_estimate_tells_the_error_of_colours() {
+    let (albedo, sun) = ([0.7, 0.5, 0.3], [3.0; 3]);
+    let reflectance = Spectrum::reflectance_of_rgb(albedo.map(f64::from));
+    let light = Spectrum::emission_of_rgb(sun.map(f64::from));
+    let want = xyz_to_rgb(xyz(|lambda| light.at(lambda) * reflectance.at(lambda) / std::f64::consts::PI));
+    let mut plane = Build::new(v(0., 0., 2.), v(0., 0., 0.), 0.2, 8);
+    plane.quad(v(-2., -2., 0.), v(4., 0., 0.), v(0., 4., 0.), &matte(albedo));
+    plane.sun(v(0., 0., -1.), sun);
+    let mut scene = plane.0;
+    scene.wavelengths.are_rendered = true;
+    let stop = Stop { passes: PASSES.last().copied(), ..Stop::default() };
+    let last = |seed: u32| errors(&scene, want, seed, false, stop).0.pop().expect("an estimate");
+    let all: Vec<[f64; 2]> = (0..4 * SEEDS).map(last).collect();
+    let mean = |k: usize| (all.iter().map(|e| e[k].powi(2)).sum::<f64>() / all.len() as f64).sqrt();
+    println!("told {:.5}, truth {:.5}", mean(0), mean(1));
+    assert!((1.0..PESSIMISM).contains(&(mean(0) / mean(1))), "{all:.5?}");
 }
 
 /// A render that is asked for an error stops when its estimate is met, and the truth is below it.

@@ -39,6 +39,29 @@ fn parts_make_the_whole() {
     }
 }
 
+/// By wavelength passes have wavelengths by their numbers in the whole render: parts, and a render that ends and goes on, have the bits of
+/// one that never ended, on every device.
+#[test]
+fn parts_by_wavelength_make_the_whole() {
+    let folder = Folder::new();
+    for device in devices() {
+        let render = format!("render ring.toml --size 24x24 --seed 3 --spectral on --device {device}");
+        folder.done(&format!("{render} --passes 20 -o whole.exr"));
+        folder.done(&format!("{render} --passes 6 -o part.exr --checkpoint r.joton"));
+        folder.done("resume r.joton --passes 20 -o part.exr");
+        assert!(bits(&folder, "part.exr") == bits(&folder, "whole.exr"), "{device}");
+        folder.done(&format!("{render} --pass-range 0..20 --checkpoint whole.joton -o whole.exr"));
+        for (range, part) in [("0..16", "a"), ("16..20", "b")] {
+            folder.done(&format!("{render} --pass-range {range} --checkpoint {part}.joton"));
+        }
+        folder.done("merge b.joton a.joton -o merged.exr");
+        assert!(bits(&folder, "merged.exr") == bits(&folder, "whole.exr"), "{device}");
+        for part in ["whole", "a", "b", "r"] {
+            fs::remove_file(folder.path(&format!("{part}.joton"))).expect("a file");
+        }
+    }
+}
+
 /// A part that was killed, before its first pass, too, goes on to the same bits.
 #[cfg(unix)]
 #[test]
