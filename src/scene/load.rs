@@ -75,7 +75,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
         assembly.add(entry.transform.mesh(mesh), material, path)?;
     }
     assembly.check_overrides(files.values())?;
-    let read = files.into_values().flat_map(|file| file.files);
+    let read = files.into_values().flat_map(|file| file.files).chain(description.files);
     let files = std::iter::once(path.to_owned()).chain(read).collect();
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
@@ -114,8 +114,10 @@ fn load_obj(path: &Path) -> Result<Scene> {
         warnings.add(path, None, "no light; a point light is put at the camera");
         lights.push(headlight(&camera));
     }
-    let wavelengths = Wavelengths::default();
-    Ok(Scene { camera, size, mesh, materials, lights, wavelengths, warnings: warnings.into_lines(), files })
+    let (wavelengths, warnings) = (Wavelengths::default(), warnings.into_lines());
+    let mut scene = Scene { camera, size, mesh, materials, lights, wavelengths, warnings, files };
+    scene.wavelengths.are_rendered = scene.asks_for_wavelengths().is_some();
+    Ok(scene)
 }
 
 /// Bytes of memory that a triangle of a shape takes while it is made, at least: its own, and its share of corners and normals, twice.

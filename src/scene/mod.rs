@@ -16,6 +16,7 @@ mod polygon;
 mod rule;
 mod scene_file;
 mod shape;
+mod spd;
 mod spectra;
 mod spectrum_entry;
 mod table;

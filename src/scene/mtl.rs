@@ -3,12 +3,13 @@
 //! Tolerant, because files in the wild are: any case of keys, tabs, comments after values, nameless materials,
 //! paths with backslashes or the wrong case. What the statements mean for light is the rule in `rule.rs`.
 
+use super::spd;
 use super::text;
 use super::warnings::Warnings;
-use crate::Result;
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
 use crate::spectrum::{BANDS, Bands, Spectrum, from_rgb};
+use crate::{Error, Result};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -90,8 +91,10 @@ pub(crate) struct RawMaterial {
     pub(crate) tr: Option<At<f32>>,
     /// Illumination model.
     pub(crate) illum: Option<At<f32>>,
-    /// Set by a scene file: what is stated by wavelength.
+    /// What is stated by wavelength.
     pub(crate) spectra: RawSpectra,
+    /// Files of spectra that were read for it.
+    pub(crate) read: Vec<PathBuf>,
     /// `map_Kd` is stated.
     pub(crate) map_kd: Option<usize>,
     /// Some other texture is stated.
@@ -108,6 +111,7 @@ pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<Vec<RawMateri
 /// Reads a material library from its text; statements that cannot be read are left out with a warning.
 pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<RawMaterial> {
     let mut materials: Vec<RawMaterial> = Vec::new();
+    let mut finder = Finder::new(path.parent().unwrap_or(Path::new("")));
     for statement in text::statements(text) {
         let line = statement.line;
         let (key, rest) = statement.split();
@@ -122,7 +126,12 @@ pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<Raw
         }
         // What stands before the first newmtl belongs to no material.
         let Some(material) = materials.last_mut() else { continue };
-        if let Err(what) = apply(material, &key.to_ascii_lowercase(), rest, line) {
+        let small = key.to_ascii_lowercase();
+        let done = match rest.strip_prefix("spectral").filter(|rest| rest.starts_with(char::is_whitespace)) {
+            Some(rest) => apply_spectrum(material, &small, rest, line, &mut finder),
+            None => apply(material, &small, rest, line).map_err(str::to_owned),
+        };
+        if let Err(what) = done {
             warnings.add(path, Some(line), format!("{key}: {what}; the statement is ignored"));
         }
     }
@@ -137,10 +146,11 @@ fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Resu
     match key {
         "ka" => material.ka = at_bands(rest, line)?,
         "pm" => material.pm = at(number(rest)?),
-        "kd" => material.kd = at_bands(rest, line)?,
-        "ks" => material.ks = at_bands(rest, line)?,
-        "ke" => material.ke = at_bands(rest, line)?,
-        "tf" => material.tf = at_bands(rest, line)?,
+        // of two statements the later counts
+        "kd" => (material.kd, material.spectra.kd) = (at_bands(rest, line)?, None),
+        "ks" => (material.ks, material.spectra.ks) = (at_bands(rest, line)?, None),
+        "ke" => (material.ke, material.spectra.ke) = (at_bands(rest, line)?, None),
+        "tf" => (material.tf, material.spectra.tf) = (at_bands(rest, line)?, None),
         "kt" => material.kt = at_bands(rest, line)?,
         "ni" => material.ni = at(number(rest)?),
         "ns" => material.ns = at(number(rest)?),
@@ -154,6 +164,42 @@ fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Resu
         _ if key.starts_with("map_") && key != "map_ka" => material.other_map = Some(line),
         _ => {}
     }
+    Ok(())
+}
+
+/// Applies a statement whose value is a file of a spectrum, and a factor that it is multiplied by, if there is one.
+fn apply_spectrum(
+    material: &mut RawMaterial,
+    key: &str,
+    rest: &str,
+    line: usize,
+    finder: &mut Finder<'_>,
+) -> Result<(), String> {
+    let rest = rest.split(" #").next().unwrap_or_default().trim();
+    let (name, factor) = match rest.rsplit_once(char::is_whitespace) {
+        Some((name, last)) if last.parse::<f64>().is_ok_and(|factor| factor >= 0.0 && factor.is_finite()) => {
+            (name, last.parse().unwrap_or(1.0))
+        }
+        _ => (rest, 1.0),
+    };
+    let path = finder.find(name).ok_or_else(|| format!("there is no file {name}"))?;
+    let fault = |error: Error| error.to_string();
+    let spectra = &mut material.spectra;
+    let (lobe, curve) = match key {
+        "kd" => (&mut material.kd, &mut spectra.kd),
+        "ks" => (&mut material.ks, &mut spectra.ks),
+        "tf" => (&mut material.tf, &mut spectra.tf),
+        "ke" => {
+            let (value, light) = spd::emission(&path, factor).map_err(fault)?;
+            (material.ke, spectra.ke) = (Some(At { value, line }), Some(light));
+            material.read.push(path);
+            return Ok(());
+        }
+        _ => return Err("only Kd, Ks, Ke and Tf can have a spectrum".into()),
+    };
+    let (value, spectrum) = spd::reflectance(&path, factor).map_err(fault)?;
+    (*lobe, *curve) = (Some(At { value, line }), Some(spectrum));
+    material.read.push(path);
     Ok(())
 }
 

@@ -178,6 +178,7 @@ fn libraries(
     for (file, [first, _]) in files {
         match mtl::read(&file, warnings) {
             Ok(mut materials) => {
+                read.extend(materials.iter_mut().flat_map(|m| std::mem::take(&mut m.read)));
                 materials.iter_mut().filter(|m| m.is_of_blender).for_each(blender::restate);
                 library.extend(materials);
             }

@@ -8,8 +8,8 @@ use super::light::{self, Light};
 use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::shape::Shape;
 use super::spectrum_entry;
-use super::table::{Table, TextOrTable, parse};
-use super::text::{self, Lines};
+use super::table::{Source, Table, TextOrTable, parse};
+use super::text;
 use super::transform::Transform;
 use crate::spectrum::lamp::Emission;
 use crate::{Error, Result};
@@ -38,6 +38,8 @@ pub(crate) struct Description {
     pub(crate) light_spectra: Vec<Option<Emission>>,
     /// Materials that override or define.
     pub(crate) materials: Vec<MaterialEntry>,
+    /// Files that were read for it: spectra.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// `[[material]]`
@@ -99,10 +101,10 @@ pub(crate) struct ShapeEntry {
 
 /// Reads a scene file.
 pub(crate) fn read(path: &Path) -> Result<Description> {
-    let source = text::read(path)?;
-    let root = parse(&source, path)?;
-    let lines = Lines::of(&source);
-    let root = Table::new(path, &lines, "the scene", root.get_ref(), root.span());
+    let text = text::read(path)?;
+    let root = parse(&text, path)?;
+    let source = Source::of(&text);
+    let root = Table::new(path, &source, "the scene", root.get_ref(), root.span());
     root.allow(&["camera", "film", "mesh", "shape", "light", "material"])?;
     let camera = root.table("camera")?.map(CameraEntry::read).transpose()?;
     let size = root.table("film")?.map(film).transpose()?.unwrap_or(DEFAULT_SIZE);
@@ -116,7 +118,16 @@ pub(crate) fn read(path: &Path) -> Result<Description> {
         let remedy = "add one: [[mesh]] with file = \"name.obj\", or [[shape]] with kind = \"sphere\"";
         return Err(Error::scene(path, None, "no [[mesh]] and no [[shape]]", remedy));
     }
-    Ok(Description { camera, size, meshes, shapes, lights, light_spectra, materials })
+    Ok(Description {
+        camera,
+        size,
+        meshes,
+        shapes,
+        lights,
+        light_spectra,
+        materials,
+        files: source.into_read(),
+    })
 }
 
 fn film(table: Table) -> Result<[u32; 2]> {

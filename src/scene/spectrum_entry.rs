@@ -2,20 +2,15 @@
 //! (docs/SCENE.md). What is read comes with the bands that it makes in red, green and blue.
 
 use super::mtl::At;
+use super::spd;
 use super::table::{Table, TextOrTable};
 use crate::spectrum::cie::Illuminant;
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::{Emission, Lamp, Line};
-use crate::spectrum::{BANDS, Bands, Spectrum, from_rgb, is_black};
+use crate::spectrum::{Bands, Spectrum, from_rgb};
 use crate::{Error, Result};
 
-/// Bands of a colour that no red, green and blue make: none is negative, and light is never black.
-fn bands(rgb: [f64; 3], y: f64) -> Bands {
-    let bands = from_rgb(rgb.map(|c| c.max(0.0) as f32));
-    if is_black(&bands) { [y.max(0.0) as f32; BANDS] } else { bands }
-}
-
-/// A reflectance or a tint: bands, or `{ spectrum = [[nm, value], …] }`.
+/// A reflectance or a tint: bands, or `{ spectrum = [[nm, value], …] }`, or a file's name in place of pairs, as everywhere below.
 ///
 /// # Errors
 /// Line and remedy where the table says something else.
@@ -24,7 +19,8 @@ pub(super) fn reflectance(table: &Table, key: &str) -> Result<(Option<At<Bands>>
         return Ok((table.bands(key)?, None));
     };
     inner.allow(&["spectrum"])?;
-    let At { value: pairs, line } = inner.pairs("spectrum")?.ok_or_else(|| inner.missing("spectrum"))?;
+    let At { value: pairs, line } =
+        inner.spectrum("spectrum", 1.0)?.ok_or_else(|| inner.missing("spectrum"))?;
     let (lambdas, values) = apart(pairs);
     let spectrum = Spectrum::reflectance_table(lambdas, values).map_err(|what| {
         inner.fault(line, &what, "give [wavelength in nm, value from 0 to 1], in ascending order")
@@ -68,7 +64,7 @@ pub(super) fn emission(table: &Table, key: &str) -> Result<(Option<At<Bands>>, O
         })?;
         light = Some(Emission::continuous(spectrum));
     }
-    if let Some(At { value: pairs, line }) = inner.pairs("spectrum")? {
+    if let Some(At { value: pairs, line }) = inner.spectrum("spectrum", f64::INFINITY)? {
         let (lambdas, values) = apart(pairs);
         let spectrum = Spectrum::emission_table(lambdas, values)
             .map_err(|what| inner.fault(line, &what, "give [wavelength in nm, value], in ascending order"))?;
@@ -88,7 +84,7 @@ pub(super) fn emission(table: &Table, key: &str) -> Result<(Option<At<Bands>>, O
             return Err(inner.fault(inner.line(), &what, "give one of them"));
         }
     };
-    let value = bands(light.to_rgb(), light.to_xyz()[1]);
+    let value = spd::light_bands(&light);
     if value.iter().any(|x| !x.is_finite()) {
         return Err(inner.fault(
             inner.line(),
@@ -140,7 +136,7 @@ pub(super) fn index(table: &Table, key: &str) -> Result<(Option<At<f32>>, Option
                         .map_err(|what| fault(line, what))?,
                     line,
                 )
-            } else if let Some(At { value, line }) = inner.pairs("spectrum")? {
+            } else if let Some(At { value, line }) = inner.spectrum("spectrum", f64::INFINITY)? {
                 let (lambdas, values) = apart(value);
                 (Index::table(lambdas, values).map_err(|what| fault(line, what))?, line)
             } else {

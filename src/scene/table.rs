@@ -1,12 +1,14 @@
 // Table: typed access to a TOML table in which every fault names its line.
 
 use super::mtl::At;
+use super::spd;
 use super::text::{self, Lines};
 use crate::spectrum::{BANDS, Bands, from_rgb};
 use crate::{Error, Result};
 use glam::{DVec2, DVec3};
+use std::cell::RefCell;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -24,11 +26,29 @@ pub(crate) enum TextOrTable<'a> {
     Table(Table<'a>),
 }
 
+/// The text of a scene file: its lines, and the other files that were read for what it says.
+pub(crate) struct Source {
+    lines: Lines,
+    read: RefCell<Vec<PathBuf>>,
+}
+
+impl Source {
+    /// Nothing is read yet.
+    pub(crate) fn of(text: &str) -> Self {
+        Self { lines: Lines::of(text), read: RefCell::default() }
+    }
+
+    /// Files that were read.
+    pub(crate) fn into_read(self) -> Vec<PathBuf> {
+        self.read.into_inner()
+    }
+}
+
 /// A table of a scene file.
 #[derive(Clone)]
 pub(crate) struct Table<'a> {
     path: &'a Path,
-    lines: &'a Lines,
+    source: &'a Source,
     /// What the user calls it: `[camera]`.
     name: String,
     entries: &'a DeTable<'a>,
@@ -39,17 +59,17 @@ impl<'a> Table<'a> {
     /// Wraps a parsed table.
     pub(crate) fn new(
         path: &'a Path,
-        lines: &'a Lines,
+        source: &'a Source,
         name: impl Into<String>,
         entries: &'a DeTable<'a>,
         span: Range<usize>,
     ) -> Self {
-        Self { path, lines, name: name.into(), entries, span }
+        Self { path, source, name: name.into(), entries, span }
     }
 
     /// Line of its header, from 1.
     pub(crate) fn line(&self) -> usize {
-        self.lines.at(self.span.start)
+        self.source.lines.at(self.span.start)
     }
 
     /// A fault at a line of this file.
@@ -77,7 +97,7 @@ impl<'a> Table<'a> {
         keys.sort_by_key(|key| key.span().start);
         match keys.into_iter().find(|key| !known.contains(&key.get_ref().as_ref())) {
             Some(key) => {
-                let line = self.lines.at(key.span().start);
+                let line = self.source.lines.at(key.span().start);
                 Err(self.unknown(line, &format!("key in {}:", self.name), key.get_ref(), known))
             }
             None => Ok(()),
@@ -86,7 +106,7 @@ impl<'a> Table<'a> {
 
     fn get(&self, key: &str) -> Option<(&'a DeValue<'a>, usize, Range<usize>)> {
         let value = self.entries.get(key)?;
-        Some((value.get_ref(), self.lines.at(value.span().start), value.span()))
+        Some((value.get_ref(), self.source.lines.at(value.span().start), value.span()))
     }
 
     fn wrong(&self, key: &str, line: usize, expected: &str) -> Error {
@@ -98,7 +118,7 @@ impl<'a> Table<'a> {
         match self.get(key) {
             None => Ok(None),
             Some((DeValue::Table(entries), _, span)) => {
-                Ok(Some(Table::new(self.path, self.lines, format!("[{key}]"), entries, span)))
+                Ok(Some(Table::new(self.path, self.source, format!("[{key}]"), entries, span)))
             }
             Some((_, line, _)) => Err(self.wrong(key, line, &format!("a table: [{key}]"))),
         }
@@ -112,7 +132,7 @@ impl<'a> Table<'a> {
                 Ok(Some(TextOrTable::Text(At { value: value.clone().into_owned(), line })))
             }
             Some((DeValue::Table(entries), _, span)) => {
-                Ok(Some(TextOrTable::Table(Table::new(self.path, self.lines, key, entries, span))))
+                Ok(Some(TextOrTable::Table(Table::new(self.path, self.source, key, entries, span))))
             }
             Some((_, line, _)) => Err(self.wrong(key, line, "a name in quotes, or a table: { … }")),
         }
@@ -125,9 +145,9 @@ impl<'a> Table<'a> {
         let DeValue::Array(items) = value else { return Err(self.wrong(key, line, &expected)) };
         let table = |item: &'a Spanned<DeValue<'a>>| match item.get_ref() {
             DeValue::Table(entries) => {
-                Ok(Table::new(self.path, self.lines, format!("[[{key}]]"), entries, item.span()))
+                Ok(Table::new(self.path, self.source, format!("[[{key}]]"), entries, item.span()))
             }
-            _ => Err(self.wrong(key, self.lines.at(item.span().start), &expected)),
+            _ => Err(self.wrong(key, self.source.lines.at(item.span().start), &expected)),
         };
         items.iter().map(table).collect()
     }
@@ -192,6 +212,23 @@ impl<'a> Table<'a> {
         let Some((value, line, _)) = self.get(key) else { return Ok(None) };
         let values = rows::<2>(value).map(|value| Some(At { value, line }));
         values.ok_or_else(|| self.wrong(key, line, "pairs of finite numbers: [[nm, value], …]"))
+    }
+
+    /// A spectrum: pairs of wavelength, nm, and value, or the name of a file of them ([`spd`]), whose values are at most `most`.
+    pub(crate) fn spectrum(&self, key: &str, most: f64) -> Result<Option<At<Vec<[f64; 2]>>>> {
+        let Some((DeValue::String(name), line, _)) = self.get(key) else { return self.pairs(key) };
+        let name = name.trim();
+        if name.is_empty() || name.contains('\0') {
+            return Err(self.wrong(key, line, "a file, or pairs: [[nm, value], …]"));
+        }
+        let path = self.path.parent().unwrap_or(Path::new("")).join(name);
+        let value = spd::read(&path, most).map_err(|error| match error {
+            // where it is named tells more than why the system has none
+            Error::Io { .. } => self.fault(line, &error.to_string(), "name a file beside the scene"),
+            other => other,
+        })?;
+        self.source.read.borrow_mut().push(path);
+        Ok(Some(At { value, line }))
     }
 
     /// A text or a table within this one, where the value is one of these.

@@ -142,3 +142,97 @@ fn faults_of_spectra_have_lines() {
         refused(lit(irradiance), "s.toml:6", words);
     }
 }
+
+/// A file of a spectrum stands for its pairs, however it is written, beside the scene file; it counts as read.
+#[test]
+fn spectra_come_from_files() {
+    let scene = |keys: &str| {
+        format!(
+            "[[shape]]\nkind = \"cube\"\nmaterial = {{ {keys} }}\n{}",
+            SUN.replace("= 1\n", "= { spectrum = \"sun.spd\" }\n")
+        )
+    };
+    let paint = "# measured\r\n 700.5,0.75\r\n400\t0.25 # ends\r\n\r\n550 ; 5e-1\r\n";
+    let folder = |keys: &str, paint: &str| {
+        let (toml, sun) = (scene(keys), "360 1\n830 3\n");
+        Folder::new(&[
+            ("s.toml", toml.as_bytes()),
+            ("paint.SPD", paint.as_bytes()),
+            ("sun.spd", sun.as_bytes()),
+        ])
+    };
+    let read = folder("kd = { spectrum = \"paint.SPD\" }", paint).load("s.toml").unwrap();
+    let stated =
+        folder("kd = { spectrum = [[400, 0.25], [550, 0.5], [700.5, 0.75]] }", paint).load("s.toml").unwrap();
+    assert_eq!(read.materials[0].spectra.as_ref().unwrap(), stated.materials[0].spectra.as_ref().unwrap());
+    assert_eq!(read.materials[0].diffuse, stated.materials[0].diffuse);
+    let light = read.wavelengths.lights[0].as_ref().and_then(|e| e.continuous.as_ref()).expect("stated");
+    assert_eq!((light.at(595.0), light.at(359.0)), (2.0, 0.0));
+    let names = |scene: &Scene| -> Vec<String> {
+        let mut names: Vec<_> =
+            scene.files.iter().map(|f| f.file_name().unwrap().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(&read), ["paint.SPD", "s.toml", "sun.spd"]);
+    let glass = folder("type = \"glass\", ior = { spectrum = \"paint.SPD\" }", "400 1.7\n700 1.5\n")
+        .load("s.toml")
+        .unwrap();
+    assert_eq!(glass.asks_for_wavelengths(), Some(WavelengthReason::Dispersion));
+
+    for (text, parts) in [
+        ("400 0.1\n500 0.2 0.3\n", &["paint.SPD:2:", "no wavelength and value", "550 0.25"][..]),
+        ("400 0.1\nred 0.2\n", &["paint.SPD:2:", "no wavelength and value"]),
+        ("400 0.1\n500 nan\n", &["paint.SPD:2:", "no wavelength and value"]),
+        ("400 10\n500 20\n", &["paint.SPD:1:", "at 400 nm is 10", "no percents"]),
+        ("-400 0.1\n500 0.2\n", &["paint.SPD:1:", "not a wavelength"]),
+        ("500 0.1\n400 0.2\n500 0.3\n", &["paint.SPD:3:", "on line 1, too", "once"]),
+        ("# nothing\n500 0.1\n", &["paint.SPD", "two wavelengths or more, this has 1"]),
+    ] {
+        let told = folder("kd = { spectrum = \"paint.SPD\" }", text).load("s.toml").unwrap_err().to_string();
+        assert!(parts.iter().all(|part| told.contains(part)), "{text}: {told}");
+    }
+    let told = folder("kd = { spectrum = \"none.spd\" }", paint).load("s.toml").unwrap_err().to_string();
+    assert!(["s.toml:3:", "none.spd"].iter().all(|part| told.contains(part)), "{told}");
+}
+
+/// Material libraries name such files, in any case of letters, with a factor or without; what cannot be read is ignored with a warning.
+/// Of two statements the later counts, whichever is by wavelength.
+#[test]
+fn material_libraries_name_files_of_spectra() {
+    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 -1\nusemtl a\nf 1 2 3\n";
+    let load = |mtl: &str| {
+        let files = [
+            ("s.obj", obj.as_bytes()),
+            ("m.mtl", mtl.as_bytes()),
+            ("my paint.spd", b"700 0.8\n400 0.4\n".as_slice()),
+            ("lamp.spd", b"400 1\n700 1\n"),
+            ("wrong.spd", b"400 1\nred\n"),
+        ];
+        Folder::new(&files).load("s.obj").unwrap()
+    };
+    let scene = load("newmtl a\nKd spectral My Paint.spd 0.5\nKe spectral lamp.spd 3 # bright\n");
+    let spectra = scene.materials[0].spectra.as_ref().expect("stated");
+    let value = spectra.diffuse.as_ref().map_or(0.0, |s| s.at(550.0));
+    assert!((value - 0.3).abs() < 1e-12, "{value}, {:?}", scene.warnings);
+    let light = spectra.emission.as_ref().and_then(|e| e.continuous.as_ref());
+    assert_eq!(light.map(|s| s.at(550.0)), Some(3.0));
+    assert!(scene.wavelengths.are_rendered && scene.materials[0].emission.iter().all(|x| *x > 0.0));
+    for name in ["my paint.spd", "lamp.spd"] {
+        assert!(scene.files.iter().any(|f| f.ends_with(name)), "{name}: {:?}", scene.files);
+    }
+    let later = load("newmtl a\nKd spectral my paint.spd\nKd 0.1 0.2 0.3\n");
+    assert!(later.materials[0].spectra.is_none() && later.materials[0].diffuse == [0.1, 0.2, 0.3]);
+    let later = load("newmtl a\nKd 0.1 0.2 0.3\nKd spectral my paint.spd\n");
+    assert!(later.materials[0].spectra.is_some());
+    for (mtl, parts) in [
+        ("Kd spectral none.spd", &["m.mtl:2", "Kd: there is no file none.spd", "ignored"][..]),
+        ("Kd spectral wrong.spd", &["m.mtl:2", "wrong.spd:2", "no wavelength and value", "ignored"]),
+        ("Ni spectral lamp.spd", &["m.mtl:2", "only Kd, Ks, Ke and Tf"]),
+    ] {
+        let scene = load(&format!("newmtl a\n{mtl}\n"));
+        let told = scene.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        assert!(parts.iter().all(|part| told.contains(part)), "{mtl}: {told}");
+        assert!(scene.materials[0].spectra.is_none());
+    }
+}
