@@ -8,13 +8,12 @@ use crate::error::Result;
 use crate::estimators::split_paths::SplitPaths;
 use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
+pub use crate::host::guard::{guarded, is_guarded};
 use crate::resolve::Resolver;
 use crate::spectrum::{BANDS, BLACK, Bands};
 pub use host_seconds::{HostSeconds, HostWork};
 use rayon::prelude::*;
-use std::cell::Cell;
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Most passes of a render: random numbers know a pass by 32 bits, and the last of them is the pilot's.
@@ -122,31 +121,6 @@ pub trait Backend {
     fn reuse(&mut self, batch: Batch) {
         drop(batch);
     }
-}
-
-thread_local! {
-    static GUARDED: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Do what panics where a device is lost: wgpu waits for a device, and lets go of one, without a way to report that. Or what panics of a
-/// damaged file, in a decoder of another's. The words of the panic, in one line, where it does.
-///
-/// # Errors
-/// The words of the panic.
-pub fn guarded<T>(work: impl FnOnce() -> T) -> std::result::Result<T, String> {
-    let before = GUARDED.replace(true);
-    let done = catch_unwind(AssertUnwindSafe(work));
-    GUARDED.set(before);
-    done.map_err(|panic| {
-        let words = panic.downcast_ref::<String>().map(String::as_str);
-        let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it panicked");
-        words.split_whitespace().collect::<Vec<_>>().join(" ")
-    })
-}
-
-/// Whether a panic of this thread is caught and comes out as an error: then a hook has nothing to print.
-pub fn is_guarded() -> bool {
-    GUARDED.get()
 }
 
 /// The sums of a few passes.
