@@ -146,7 +146,7 @@ mod tests {
                     if side < 0.0 {
                         vertex.swap(0, 2);
                     }
-                    mesh.triangles.push(Triangle { vertex, normal: None, material: 0 });
+                    mesh.triangles.push(Triangle { vertex, normal: None, uv: None, material: 0 });
                 }
             }
         }

@@ -75,7 +75,7 @@ pub(super) fn within_reach(scene: &Scene, packed: &PackedScene, order: &[u32]) -
     if triangles.len() == scene.mesh.triangles.len() && lights.len() == scene.lights.len() {
         return None;
     }
-    let mesh = Mesh { positions: positions.clone(), normals: scene.mesh.normals.clone(), triangles };
+    let mesh = Mesh { triangles, ..scene.mesh.without_triangles() };
     let (materials, warnings) = (scene.materials.clone(), scene.warnings.clone());
     let files = scene.files.clone();
     let wavelengths = Wavelengths {

@@ -111,7 +111,12 @@ mod tests {
             let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
             mesh.positions.extend(corners.map(|[x, y]| DVec3::new(x, y, z)));
             for vertex in [[0, 1, 2], [0, 2, 3]] {
-                mesh.triangles.push(Triangle { vertex: vertex.map(|k| first + k), normal: None, material });
+                mesh.triangles.push(Triangle {
+                    vertex: vertex.map(|k| first + k),
+                    normal: None,
+                    uv: None,
+                    material,
+                });
             }
         }
         let floor = Material { specular: [0.3; BANDS], ..Material::matte("floor", [0.5; BANDS]) };

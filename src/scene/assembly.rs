@@ -4,6 +4,7 @@ use super::glass::{self, Origin};
 use super::mtl::{RawMaterial, RawSpectra};
 use super::obj::{ObjFile, UsedMaterial};
 use super::scene_file::{Called, MadeOf, MaterialEntry};
+use super::texture::store::Store;
 use super::warnings::{Named, Warnings, listed};
 use super::{Material, Mesh, rule, text};
 use crate::{Error, Result};
@@ -30,6 +31,8 @@ pub(super) struct Assembly<'a> {
     first_of: HashMap<PathBuf, u32>,
     /// Names of materials that some face uses, each once.
     used: Vec<String>,
+    /// Pictures on surfaces.
+    textures: Store,
     is_used: HashSet<(Called, String)>,
 }
 
@@ -39,8 +42,8 @@ impl<'a> Assembly<'a> {
         for MaterialEntry { of, raw } in overrides {
             overrides_of.entry((*of, raw.name.as_str())).or_default().push(raw);
         }
-        let (mesh, materials, origins, named, first_of, used, is_used) = Default::default();
-        Self { mesh, materials, origins, overrides, overrides_of, named, first_of, used, is_used }
+        let (mesh, materials, origins, named, first_of, used, is_used, textures) = Default::default();
+        Self { mesh, materials, origins, overrides, overrides_of, named, first_of, used, is_used, textures }
     }
 
     /// The objects and groups that something is said of.
@@ -49,10 +52,43 @@ impl<'a> Assembly<'a> {
         all.filter(|(of, _)| *of == Called::Object).map(|(_, name)| *name).collect()
     }
 
+    /// The pictures that were read.
+    pub(super) fn pictures(&self) -> &[PathBuf] {
+        &self.textures.files
+    }
+
     /// The whole, its glass settled.
     pub(super) fn finish(mut self, warnings: &mut Warnings) -> (Mesh, Vec<Material>) {
         glass::settle(&mut self.mesh, &mut self.materials, &self.origins, warnings);
+        self.settle_uvs(warnings);
         (self.mesh, self.materials)
+    }
+
+    /// Texture coordinates are kept where some material has textures; a warning tells which triangles of such have none.
+    fn settle_uvs(&mut self, warnings: &mut Warnings) {
+        if !self.materials.iter().any(Material::has_texture) {
+            self.mesh.uvs = Vec::new();
+            self.mesh.triangles.iter_mut().for_each(|t| t.uv = None);
+            return;
+        }
+        let mut is_told = vec![false; self.materials.len()];
+        for t in &self.mesh.triangles {
+            let i = t.material as usize;
+            let material = &self.materials[i];
+            if t.uv.is_none() && material.has_texture() && !std::mem::replace(&mut is_told[i], true) {
+                let kind = Named {
+                    noun: ["material", "materials"],
+                    what: [
+                        " has a texture, and faces without texture coordinates: they show its lower left corner",
+                        " have textures, and faces without texture coordinates: they show the lower left corner",
+                    ],
+                };
+                // the last ones were made of others, when glass was settled
+                let file = self.origins.get(i).map_or(Path::new(""), |origin| &origin.file);
+                let line = self.origins.get(i).map(|origin| origin.line);
+                warnings.add_named(file, line, kind, &material.name, String::new);
+            }
+        }
     }
 
     /// Where the materials of a file begin, which are looked up once.
@@ -129,7 +165,7 @@ impl<'a> Assembly<'a> {
         line: usize,
         warnings: &mut Warnings,
     ) -> Result<u32> {
-        let material = rule::material(raw, warnings)?;
+        let material = rule::material(raw, &mut self.textures, warnings)?;
         if let Some(thin) = raw.thin.filter(|_| material.dielectric.is_none()) {
             let what = format!("material \"{}\": thin says nothing of what is no glass", raw.name);
             warnings.add(&raw.file, Some(thin.line), what);
@@ -167,13 +203,17 @@ impl<'a> Assembly<'a> {
         };
         offset(self.mesh.positions.len() + mesh.positions.len())?;
         offset(self.mesh.normals.len() + mesh.normals.len())?;
+        offset(self.mesh.uvs.len() + mesh.uvs.len())?;
         let first_vertex = offset(self.mesh.positions.len())?;
         let first_normal = offset(self.mesh.normals.len())?;
+        let first_uv = offset(self.mesh.uvs.len())?;
         self.mesh.positions.extend(mesh.positions);
         self.mesh.normals.extend(mesh.normals);
+        self.mesh.uvs.extend(mesh.uvs);
         self.mesh.triangles.extend(mesh.triangles.into_iter().map(|mut t| {
             t.vertex = t.vertex.map(|v| v + first_vertex);
             t.normal = t.normal.map(|n| n.map(|n| n + first_normal));
+            t.uv = t.uv.map(|uv| uv.map(|i| i + first_uv));
             t.material += first_material;
             t
         }));
@@ -242,11 +282,20 @@ impl<'a> Assembly<'a> {
 impl RawMaterial {
     /// This material with what another states in place of its own.
     fn overridden_by(self, other: &RawMaterial) -> RawMaterial {
-        let textured = if other.kd.is_some() { None } else { self.map_kd };
+        // either of a colour and its texture replaces both
+        let colours = other.kd.is_some() || other.map_kd.is_some();
+        let (kd, map_kd, textured) = if colours {
+            (other.kd, other.map_kd.clone(), other.textured)
+        } else {
+            (self.kd, self.map_kd, self.textured)
+        };
+        let opacities = other.opacity.is_some() || other.map_d.is_some();
+        let (opacity, map_d) =
+            if opacities { (other.opacity, other.map_d.clone()) } else { (self.opacity, self.map_d) };
         // a statement replaces another whole, by wavelength or not
         let theirs = other.spectra.clone();
         let spectra = RawSpectra {
-            kd: if other.kd.is_some() { theirs.kd } else { self.spectra.kd.clone() },
+            kd: if colours { theirs.kd } else { self.spectra.kd.clone() },
             ks: if other.ks.is_some() { theirs.ks } else { self.spectra.ks.clone() },
             tf: if other.tf.is_some() { theirs.tf } else { self.spectra.tf.clone() },
             ke: if other.ke.is_some() { theirs.ke } else { self.spectra.ke.clone() },
@@ -256,7 +305,7 @@ impl RawMaterial {
             file: other.file.clone(),
             line: other.line,
             thin: other.thin.or(self.thin),
-            kd: other.kd.or(self.kd),
+            kd,
             ks: other.ks.or(self.ks),
             ke: other.ke.or(self.ke),
             tf: other.tf.or(self.tf),
@@ -264,7 +313,10 @@ impl RawMaterial {
             // Either of exponent and roughness replaces both.
             ns: other.ns.or(if other.pr.is_some() { None } else { self.ns }),
             pr: other.pr.or(if other.ns.is_some() { None } else { self.pr }),
-            map_kd: textured,
+            map_kd,
+            textured,
+            opacity,
+            map_d,
             spectra,
             ..self
         }

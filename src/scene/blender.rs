@@ -5,7 +5,7 @@
 //! whose colour is Kd; and Tf, which PBR extensions add, is the part of the light that is transmitted.
 
 use super::mtl::{At, Kind, RawMaterial};
-use crate::spectrum::{self, Bands};
+use crate::spectrum::{self, BANDS, Bands};
 
 /// Reflectance at normal incidence where Ks is 1.
 const REFLECTANCE: f32 = 0.08;
@@ -22,6 +22,8 @@ pub(crate) fn restate(raw: &mut RawMaterial) {
     let from_ka = raw.ka.filter(|_| is_metal).map(|ka| spectrum::max(&ka.value));
     let metallic = raw.pm.map(|pm| pm.value).or(from_ka).unwrap_or(0.0).clamp(0.0, 1.0);
     let transmits = raw.tf.is_some_and(|tf| spectrum::max(&tf.value) > 0.5);
+    // a texture is the whole of the colour
+    raw.textured = raw.map_kd.as_ref().map(|_| [1.0 - metallic; BANDS]);
     let scaled =
         |of: Option<At<Bands>>, factor: f32| of.map(|x| At { value: x.value.map(|v| v * factor), ..x });
     (raw.pr, raw.ns) = (roughness, None);

@@ -1,13 +1,14 @@
 //! Clean: checks an OBJ file statement by statement and rewrites what a renderer needs of it.
 //!
 //! reads   any OBJ text
-//! writes  the same surfaces as `v`, `vn` and `f p//n` alone, with absolute indices, and, per face, its line and
+//! writes  the same surfaces as `v`, `vn`, `vt` and `f p/t/n` alone, with absolute indices, and, per face, its line and
 //!         its material's name and the objects and groups that it is part of, where these are asked for
 //!
 //! The parser behind it then meets nothing that it refuses or misreads, and faults are named with file and line,
 //! which it cannot do. Normal 1 of the output is the zero vector: faces without normals refer to it.
 
 use super::text;
+use super::texture::stated::COORDINATE_MOST;
 use super::warnings::Warnings;
 use crate::{Error, Result};
 use std::collections::{HashMap, HashSet};
@@ -16,6 +17,8 @@ use std::path::Path;
 
 /// Index, from 1, of the zero normal that stands for "flat".
 const NO_NORMAL: usize = 1;
+/// Index, from 1, of the texture coordinates that stand for none.
+const NO_UV: usize = 1;
 
 /// Names of objects and groups that are remembered, to tell what else could be meant.
 const OBJECT_NAMES: usize = 1000;
@@ -46,13 +49,16 @@ pub(crate) struct Face {
     pub(crate) material: Option<usize>,
     /// Index into [`Clean::parts`].
     pub(crate) part: usize,
+    /// Each of its corners has texture coordinates.
+    pub(crate) is_textured: bool,
 }
 
-/// How many vertices and normals there are: so far, and in the whole file (an index may point ahead).
+/// How many vertices, normals and texture coordinates there are: so far, and in the whole file (an index may point ahead).
 #[derive(Default, Clone, Copy)]
 struct Counts {
     positions: usize,
     normals: usize,
+    uvs: usize,
 }
 
 /// Checks and rewrites an OBJ file. Of its objects and groups those in `wanted` are told.
@@ -67,10 +73,13 @@ pub(crate) fn clean(
         match statement.split().0 {
             "v" => all.positions += 1,
             "vn" => all.normals += 1,
+            "vt" => all.uvs += 1,
             _ => {}
         }
     }
-    let mut out = Clean { text: "vn 0 0 0\n".to_owned(), parts: vec![Vec::new()], ..Clean::default() };
+    let has_uvs = all.uvs > 0;
+    let text = if has_uvs { "vn 0 0 0\nvt 0 0\n" } else { "vn 0 0 0\n" };
+    let mut out = Clean { text: text.to_owned(), parts: vec![Vec::new()], ..Clean::default() };
     let mut so_far = Counts::default();
     let (mut material, mut part) = (None, 0);
     let mut index_of: HashMap<String, usize> = HashMap::new();
@@ -100,16 +109,30 @@ pub(crate) fn clean(
                 let [x, y, z] = normal.unwrap_or_default();
                 let _ = writeln!(out.text, "vn {x:?} {y:?} {z:?}"); // writing to a String cannot fail
             }
+            "vt" => {
+                so_far.uvs += 1;
+                let uv = texture_coordinates(rest);
+                if uv.is_none() {
+                    ignored(line, "texture coordinates are not finite numbers up to 1e6; they count as 0");
+                }
+                let [u, v] = uv.unwrap_or_default();
+                let _ = writeln!(out.text, "vt {u:?} {v:?}");
+            }
             "f" | "fo" => match face(rest, so_far, all) {
                 Ok(corners) if corners.len() < 3 => {
                     ignored(line, "face with fewer than three vertices is ignored")
                 }
                 Ok(corners) => {
-                    if corners.iter().any(|c| c.normal == Normal::OutOfRange) {
+                    if corners.iter().any(|c| c.normal == Given::OutOfRange) {
                         ignored(line, "face refers to normals that do not exist; it is flat");
                     }
-                    write_face(&mut out.text, &corners);
-                    out.faces.push(Face { line, material, part });
+                    if corners.iter().any(|c| c.uv == Given::OutOfRange) {
+                        let what = "face refers to texture coordinates that do not exist; it has none";
+                        ignored(line, what);
+                    }
+                    let is_textured = corners.iter().all(|c| matches!(c.uv, Given::At(_)));
+                    write_face(&mut out.text, &corners, has_uvs, is_textured);
+                    out.faces.push(Face { line, material, part, is_textured });
                 }
                 Err(fault) => {
                     let remedy = match all.positions {
@@ -169,6 +192,13 @@ fn floats<const N: usize>(rest: &str) -> Option<[f64; N]> {
     Some(values)
 }
 
+/// Across and up; up may be missing.
+fn texture_coordinates(rest: &str) -> Option<[f64; 2]> {
+    let [u, v] = floats::<2>(rest)
+        .or_else(|| floats::<1>(rest).filter(|_| words(rest).count() == 1).map(|[u]| [u, 0.0]))?;
+    (u.abs().max(v.abs()) <= f64::from(COORDINATE_MOST)).then_some([u, v])
+}
+
 /// Writes a vertex. What follows the coordinates (w of a rational curve, a colour) is dropped.
 fn position(out: &mut String, rest: &str) -> Result<(), String> {
     let words: Vec<&str> = words(rest).take(3).collect();
@@ -189,7 +219,7 @@ fn position(out: &mut String, rest: &str) -> Result<(), String> {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Normal {
+enum Given {
     Absent,
     OutOfRange,
     /// Index from 1 in the source.
@@ -200,7 +230,8 @@ enum Normal {
 struct Corner {
     /// Index from 1.
     position: usize,
-    normal: Normal,
+    normal: Given,
+    uv: Given,
 }
 
 /// Reads the corners of a face: `p`, `p/t`, `p//n`, `p/t/n`.
@@ -212,15 +243,17 @@ fn face(rest: &str, so_far: Counts, all: Counts) -> Result<Vec<Corner>, String> 
             let relative: i64 = position.parse().map_err(|_| format!("\"{word}\" is not a vertex index"))?;
             let position = absolute(relative, so_far.positions, all.positions)
                 .ok_or_else(|| format!("vertex index {relative} of {} vertices", so_far.positions))?;
-            let normal = match indices.nth(1).unwrap_or("") {
-                "" => Normal::Absent,
+            let given = |index: Option<&str>, so_far, all| match index.unwrap_or("") {
+                "" => Given::Absent,
                 index => index
                     .parse()
                     .ok()
-                    .and_then(|relative| absolute(relative, so_far.normals, all.normals))
-                    .map_or(Normal::OutOfRange, Normal::At),
+                    .and_then(|relative| absolute(relative, so_far, all))
+                    .map_or(Given::OutOfRange, Given::At),
             };
-            Ok(Corner { position, normal })
+            let uv = given(indices.next(), so_far.uvs, all.uvs);
+            let normal = given(indices.next(), so_far.normals, all.normals);
+            Ok(Corner { position, normal, uv })
         })
         .collect()
 }
@@ -235,16 +268,20 @@ fn absolute(relative: i64, so_far: usize, all: usize) -> Option<usize> {
     (1..=all).contains(&index).then_some(index)
 }
 
-/// A face has all of its normals or none.
-fn write_face(out: &mut String, corners: &[Corner]) {
-    let has_normals = corners.iter().all(|c| matches!(c.normal, Normal::At(_)));
+/// A face has all of its normals or none, and likewise its texture coordinates; where no face has these, none is written.
+fn write_face(out: &mut String, corners: &[Corner], has_uvs: bool, is_textured: bool) {
+    let has_normals = corners.iter().all(|c| matches!(c.normal, Given::At(_)));
     out.push('f');
     for corner in corners {
-        let normal = match corner.normal {
-            Normal::At(index) if has_normals => NO_NORMAL + index,
-            _ => NO_NORMAL,
+        let at = |given: Given, has_all: bool, none: usize| match given {
+            Given::At(index) if has_all => none + index,
+            _ => none,
         };
-        let _ = write!(out, " {}//{normal}", corner.position);
+        let normal = at(corner.normal, has_normals, NO_NORMAL);
+        let _ = match has_uvs {
+            true => write!(out, " {}/{}/{normal}", corner.position, at(corner.uv, is_textured, NO_UV)),
+            false => write!(out, " {}//{normal}", corner.position),
+        };
     }
     out.push('\n');
 }

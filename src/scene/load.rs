@@ -76,7 +76,8 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     }
     assembly.check_overrides(files.values())?;
     let read = files.into_values().flat_map(|file| file.files).chain(description.files);
-    let files = std::iter::once(path.to_owned()).chain(read).collect();
+    let pictures = assembly.pictures().to_vec();
+    let files = std::iter::once(path.to_owned()).chain(read).chain(pictures).collect();
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     validate::light(path, &mesh, &materials, &description.lights)?;
@@ -104,7 +105,7 @@ fn load_obj(path: &Path) -> Result<Scene> {
     let mesh = file.place(&Transform::identity(), &mut warnings)?;
     let first_material = assembly.materials_of(&file, path, &mut warnings)?;
     assembly.add(mesh, first_material, path)?;
-    let files = file.files;
+    let files = file.files.into_iter().chain(assembly.pictures().to_vec()).collect();
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
     let size = DEFAULT_SIZE;

@@ -1,17 +1,22 @@
 //! Materials: what happens to light at a surface.
 
 use super::MaterialSpectra;
+use super::texture::{Opacity, Texture};
 use crate::spectrum::{BLACK, Bands, is_black};
 use std::sync::Arc;
 
-/// A surface. An opaque one reflects `diffuse` + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
+/// A surface. An opaque one reflects `diffuse` (times its texels) + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
 /// but reflects and transmits by Fresnel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Name in the file.
     pub name: String,
-    /// Lambertian reflectance per band.
+    /// Lambertian reflectance per band …
     pub diffuse: Bands,
+    /// … times the texels of this, in red, green and blue.
+    pub diffuse_texture: Option<Texture>,
+    /// How much of the surface is there; all of it where this is none.
+    pub opacity: Option<Opacity>,
     /// Reflectance of the glossy lobe per band (normalised Phong about the mirror direction).
     pub glossy: Bands,
     /// Phong exponent of the glossy lobe.
@@ -45,6 +50,8 @@ impl Material {
         Self {
             name: name.into(),
             diffuse,
+            diffuse_texture: None,
+            opacity: None,
             glossy: BLACK,
             glossy_exponent: 0.0,
             specular: BLACK,
@@ -53,6 +60,11 @@ impl Material {
             emission: BLACK,
             spectra: None,
         }
+    }
+
+    /// Whether a picture lies on it.
+    pub fn has_texture(&self) -> bool {
+        self.diffuse_texture.is_some() || self.opacity.as_ref().is_some_and(|o| o.texture.is_some())
     }
 
     /// Whether it emits in some band.

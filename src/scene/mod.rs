@@ -5,6 +5,7 @@ mod blender;
 mod camera;
 mod clean;
 mod ears;
+mod finder;
 mod frame;
 mod glass;
 mod light;
@@ -21,6 +22,7 @@ mod spectra;
 mod spectrum_entry;
 mod table;
 mod text;
+pub mod texture;
 mod transform;
 mod validate;
 mod warnings;
@@ -65,8 +67,22 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Unit shading normals.
     pub normals: Vec<Vec3>,
+    /// Texture coordinates: across, and up.
+    pub uvs: Vec<[f32; 2]>,
     /// Triangles.
     pub triangles: Vec<Triangle>,
+}
+
+impl Mesh {
+    /// Its vertices alone.
+    pub(crate) fn without_triangles(&self) -> Self {
+        Self {
+            positions: self.positions.clone(),
+            normals: self.normals.clone(),
+            uvs: self.uvs.clone(),
+            triangles: Vec::new(),
+        }
+    }
 }
 
 /// A triangle; its front is where its vertices run counter-clockwise.
@@ -76,6 +92,8 @@ pub struct Triangle {
     pub vertex: [u32; 3],
     /// Indices into [`Mesh::normals`], or none for a flat triangle.
     pub normal: Option<[u32; 3]>,
+    /// Indices into [`Mesh::uvs`]; none where the triangle has no texture coordinates: they count as 0.
+    pub uv: Option<[u32; 3]>,
     /// Index into [`Scene::materials`].
     pub material: u32,
 }

@@ -3,14 +3,15 @@
 //! Tolerant, because files in the wild are: any case of keys, tabs, comments after values, nameless materials,
 //! paths with backslashes or the wrong case. What the statements mean for light is the rule in `rule.rs`.
 
+use super::finder::Finder;
 use super::spd;
 use super::text;
+use super::texture::stated::StatedTexture;
 use super::warnings::Warnings;
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
 use crate::spectrum::{BANDS, Bands, Spectrum, from_rgb};
 use crate::{Error, Result};
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A value and the line that it stands on.
@@ -95,12 +96,16 @@ pub(crate) struct RawMaterial {
     pub(crate) spectra: RawSpectra,
     /// Files of spectra that were read for it.
     pub(crate) read: Vec<PathBuf>,
-    /// `map_Kd` is stated.
-    pub(crate) map_kd: Option<usize>,
-    /// Some other texture is stated.
-    pub(crate) other_map: Option<usize>,
-    /// `map_d` is stated.
-    pub(crate) map_d: Option<usize>,
+    /// Texture of the diffuse reflectance.
+    pub(crate) map_kd: Option<StatedTexture>,
+    /// Texture of the opacity.
+    pub(crate) map_d: Option<StatedTexture>,
+    /// Other textures, which are not read: key and line.
+    pub(crate) other_maps: Vec<At<String>>,
+    /// Set by a scene file: how much of the surface is there.
+    pub(crate) opacity: Option<At<f32>>,
+    /// Set by `blender.rs`: what is multiplied by `map_kd`.
+    pub(crate) textured: Option<Bands>,
 }
 
 /// Reads a material library; later definitions of a name come later in the list.
@@ -111,7 +116,7 @@ pub(crate) fn read(path: &Path, warnings: &mut Warnings) -> Result<Vec<RawMateri
 /// Reads a material library from its text; statements that cannot be read are left out with a warning.
 pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<RawMaterial> {
     let mut materials: Vec<RawMaterial> = Vec::new();
-    let mut finder = Finder::new(path.parent().unwrap_or(Path::new("")));
+    let mut finder = Finder::new(path.parent().unwrap_or(Path::new("")).to_owned());
     for statement in text::statements(text) {
         let line = statement.line;
         let (key, rest) = statement.split();
@@ -143,6 +148,8 @@ pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<Raw
 /// Applies one statement; keys that mean nothing here (sharpness, …) are passed over.
 fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Result<(), &'static str> {
     let at = |value| Some(At { value, line });
+    let file = material.file.clone();
+    let mut other = || material.other_maps.push(At { value: key.to_owned(), line });
     match key {
         "ka" => material.ka = at_bands(rest, line)?,
         "pm" => material.pm = at(number(rest)?),
@@ -158,10 +165,10 @@ fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Resu
         "d" => material.d = at(number(rest.strip_prefix("-halo").unwrap_or(rest))?),
         "tr" => material.tr = at(number(rest)?),
         "illum" => material.illum = at(number(rest)?),
-        "map_kd" => material.map_kd = Some(line),
-        "map_d" | "map_tr" => material.map_d = Some(line),
-        "bump" | "norm" | "refl" | "disp" | "decal" => material.other_map = Some(line),
-        _ if key.starts_with("map_") && key != "map_ka" => material.other_map = Some(line),
+        "map_kd" => material.map_kd = Some(StatedTexture::parse(rest, file, line)?),
+        "map_d" => material.map_d = Some(StatedTexture::parse(rest, file, line)?),
+        "bump" | "norm" | "refl" | "disp" | "decal" => other(),
+        _ if key.starts_with("map_") && key != "map_ka" => other(),
         _ => {}
     }
     Ok(())
@@ -173,7 +180,7 @@ fn apply_spectrum(
     key: &str,
     rest: &str,
     line: usize,
-    finder: &mut Finder<'_>,
+    finder: &mut Finder,
 ) -> Result<(), String> {
     let rest = rest.split(" #").next().unwrap_or_default().trim();
     let (name, factor) = match rest.rsplit_once(char::is_whitespace) {
@@ -228,65 +235,4 @@ fn at_bands(rest: &str, line: usize) -> Result<Option<At<Bands>>, &'static str> 
         [..] => return Err("three numbers expected"),
     };
     Ok(Some(At { value, line }))
-}
-
-/// Looks for material libraries beside a mesh; each folder is listed once.
-pub(crate) struct Finder<'a> {
-    directory: &'a Path,
-    /// For each folder its files by their names in small letters, the first by name where several agree.
-    listings: HashMap<PathBuf, HashMap<String, PathBuf>>,
-}
-
-impl<'a> Finder<'a> {
-    /// Looks in `directory` and below.
-    pub(crate) fn new(directory: &'a Path) -> Self {
-        Self { directory, listings: HashMap::new() }
-    }
-
-    /// The libraries that an `mtllib` statement names: the whole rest of the line as one name where such a file
-    /// exists, otherwise each of its words.
-    pub(crate) fn locate(&mut self, names: &str) -> Vec<Result<PathBuf, String>> {
-        if let Some(path) = self.find(names) {
-            return vec![Ok(path)];
-        }
-        if names.split_whitespace().count() < 2 {
-            return vec![Err(names.to_owned())];
-        }
-        names.split_whitespace().map(|name| self.find(name).ok_or_else(|| name.to_owned())).collect()
-    }
-
-    /// Finds a file by name: as written, with `\` as `/`, in any case, or by its last part in the same folder.
-    fn find(&mut self, name: &str) -> Option<PathBuf> {
-        let name = name.trim().trim_matches('"').replace('\\', "/");
-        if name.is_empty() || name.contains('\0') {
-            return None;
-        }
-        let last_part = name.rsplit('/').next().unwrap_or(&name).to_owned();
-        [name, last_part].iter().find_map(|candidate| {
-            let path = self.directory.join(candidate);
-            if path.is_file() {
-                return Some(path);
-            }
-            let wanted = path.file_name()?.to_str()?.to_lowercase();
-            let folder = path.parent()?;
-            if !self.listings.contains_key(folder) {
-                self.listings.insert(folder.to_owned(), listing(folder));
-            }
-            self.listings.get(folder)?.get(&wanted).cloned()
-        })
-    }
-}
-
-/// The files of a folder by their names in small letters.
-fn listing(folder: &Path) -> HashMap<String, PathBuf> {
-    let mut entries: Vec<_> =
-        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path()).collect();
-    entries.sort();
-    let mut files = HashMap::new();
-    for entry in entries.into_iter().filter(|e| e.is_file()) {
-        if let Some(name) = entry.file_name().and_then(|n| n.to_str()).map(str::to_lowercase) {
-            files.entry(name).or_insert(entry);
-        }
-    }
-    files
 }

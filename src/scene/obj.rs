@@ -4,7 +4,8 @@
 //! writes  triangles with flat or smooth normals, and for each the name of its material
 
 use super::clean::{self, Clean};
-use super::mtl::{self, Finder, RawMaterial};
+use super::finder::Finder;
+use super::mtl::{self, RawMaterial};
 use super::transform::Transform;
 use super::warnings::{Named, Warnings};
 use super::{Mesh, Triangle, blender, polygon, text};
@@ -32,6 +33,8 @@ pub(crate) struct ObjFile {
     clean: Clean,
     parsed: Option<tobj::Mesh>,
     normals: Vec<DVec3>,
+    /// Texture coordinates.
+    uvs: Vec<[f32; 2]>,
     /// For each material of the file, in each part that was asked for, its place in `materials`.
     index_of: FxHashMap<(Option<usize>, usize), u32>,
     /// Materials in order of first use.
@@ -79,11 +82,14 @@ pub(crate) fn read(path: &Path, wanted: &HashSet<&str>, warnings: &mut Warnings)
     }
     let given = parsed.iter().flat_map(|p: &tobj::Mesh| p.normals.as_chunks::<3>().0);
     let normals = given.map(|&n| DVec3::from(n)).collect();
+    let given = parsed.iter().flat_map(|p: &tobj::Mesh| p.texcoords.as_chunks::<2>().0);
+    let uvs = given.map(|uv| uv.map(|x| x as f32)).collect();
     Ok(ObjFile {
         path: path.to_owned(),
         clean,
         parsed,
         normals,
+        uvs,
         index_of,
         materials,
         library,
@@ -111,6 +117,7 @@ impl ObjFile {
             ));
         }
         let normals: Vec<DVec3> = self.normals.iter().map(|n| transform.normal(*n)).collect();
+        builder.mesh.uvs.clone_from(&self.uvs);
         let mirrors = transform.mirrors();
         let mut start = 0;
         // tobj leaves the arities out where all faces are triangles.
@@ -118,14 +125,16 @@ impl ObjFile {
         for (face, arity) in self.clean.faces.iter().zip(arities) {
             let end = start + arity as usize;
             let material = self.index_of[&(face.material, face.part)];
-            let corners = [&parsed.indices, &parsed.normal_indices].map(|indices| &indices[start..end]);
-            if mirrors {
-                let [vertices, normal_of] = corners.map(|c| c.iter().rev().copied().collect::<Vec<_>>());
-                builder.face(face.line, &vertices, &normal_of, &normals, material);
-            } else {
-                let [vertices, normal_of] = corners;
-                builder.face(face.line, vertices, normal_of, &normals, material);
-            }
+            let of_face = |indices: &'_ [u32]| -> Vec<u32> {
+                let corners = indices.get(start..end).unwrap_or_default().iter().copied();
+                if mirrors { corners.rev().collect() } else { corners.collect() }
+            };
+            let corners = Corners {
+                vertices: of_face(&parsed.indices),
+                normals: of_face(&parsed.normal_indices),
+                uvs: if face.is_textured { of_face(&parsed.texcoord_indices) } else { Vec::new() },
+            };
+            builder.face(face.line, &corners, &normals, material);
             start = end;
         }
         Ok(builder.mesh)
@@ -150,7 +159,7 @@ fn libraries(
     read: &mut Vec<PathBuf>,
     warnings: &mut Warnings,
 ) -> Vec<RawMaterial> {
-    let mut finder = Finder::new(path.parent().unwrap_or(Path::new("")));
+    let mut finder = Finder::new(path.parent().unwrap_or(Path::new("")).to_owned());
     let mut named: HashMap<&str, Vec<Result<PathBuf, String>>> = HashMap::new();
     // where each file is named first, and last
     let mut places: HashMap<PathBuf, [usize; 2]> = HashMap::new();
@@ -188,6 +197,14 @@ fn libraries(
     library
 }
 
+/// Indices of the corners of a face.
+struct Corners {
+    vertices: Vec<u32>,
+    normals: Vec<u32>,
+    /// None where the face has no texture coordinates.
+    uvs: Vec<u32>,
+}
+
 struct Builder<'a> {
     path: &'a Path,
     mesh: Mesh,
@@ -197,24 +214,20 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn face(
-        &mut self,
-        line: usize,
-        vertices: &[u32],
-        corner_normals: &[u32],
-        normals: &[DVec3],
-        material: u32,
-    ) {
-        let corners: Vec<DVec3> = vertices.iter().map(|&v| self.mesh.positions[v as usize]).collect();
-        for triangle in polygon::triangulate(&corners) {
-            let [a, b, c] = triangle.map(|i| corners[i]);
+    fn face(&mut self, line: usize, corners: &Corners, normals: &[DVec3], material: u32) {
+        let Corners { vertices, normals: corner_normals, uvs } = corners;
+        let places: Vec<DVec3> = vertices.iter().map(|&v| self.mesh.positions[v as usize]).collect();
+        for triangle in polygon::triangulate(&places) {
+            let [a, b, c] = triangle.map(|i| places[i]);
             let Some(geometric) = geometric_normal([a, b, c]) else {
                 self.warnings.add(self.path, Some(line), "triangle without area is dropped");
                 continue;
             };
             let corner_normals = triangle.map(|i| corner_normals[i]);
             let normal = self.normals(line, geometric, corner_normals, normals);
-            self.mesh.triangles.push(Triangle { vertex: triangle.map(|i| vertices[i]), normal, material });
+            let vertex = triangle.map(|i| vertices[i]);
+            let uv = (!uvs.is_empty()).then(|| triangle.map(|i| uvs[i]));
+            self.mesh.triangles.push(Triangle { vertex, normal, uv, material });
         }
     }
 

@@ -12,12 +12,16 @@
 //! 4. **Matte** where illum is 0 or 1: diffuse = Kd.
 //! 5. Everything else (2, 10, absent): diffuse = Kd and, where Ks is not black, a **glossy** lobe Ks with exponent
 //!    Ns, else 2/Pr⁴ − 2, else 10; kept in 1 … 10⁶.
-//! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. Kd black or absent with a map_Kd:
-//!    grey 0.5. Textures are not read.
-//! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor.
-//! 8. d or Tr never make an opaque material transparent: cut-outs are not supported.
+//! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. map_Kd multiplies Kd; where Kd is black or
+//!    absent it stands alone, and in Blender's libraries it always does. Where it cannot be read, such a Kd is grey 0.5.
+//! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor; of a texture the largest texel
+//!    counts.
+//! 8. map_d is the opacity of what is opaque and does not shine: its own, else its luminance. d or Tr alone never make an
+//!    opaque material transparent.
 
 use super::mtl::{At, Kind, RawMaterial, RawSpectra};
+use super::texture::store::{Role, Store};
+use super::texture::{Opacity, Texture};
 use super::warnings::{Named, Warnings};
 use super::{Dielectric, Material, MaterialSpectra};
 use crate::spectrum::{self, BANDS, BLACK, Bands, Spectrum};
@@ -41,18 +45,23 @@ const NOTICED_DIFFUSE: f32 = 0.05;
 /// Reflectances may exceed 1 by this much: the rounding of decimal text.
 const ALBEDO_SLACK: f32 = 1e-6;
 
-/// Applies the rule; fails where a value is negative or not finite.
-pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Material> {
+/// Applies the rule; fails where a value is negative or not finite, or where a picture that a scene file names cannot be read.
+pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut Warnings) -> Result<Material> {
     check(raw)?;
+    let kind = raw.kind.unwrap_or_else(|| kind(raw));
+    let colour = match raw.map_kd.as_ref().filter(|_| kind != Kind::Glass) {
+        Some(stated) => textures.texture(stated, Role::Colour, warnings)?,
+        None => None,
+    };
+    let opacity = opacity(raw, kind, textures, warnings)?;
     let mut warn = |line: Option<usize>, what: &str| {
         let what = format!(": {what}");
         let kind = Named { noun: ["material", "materials"], what: [&what, &what] };
         warnings.add_named(&raw.file, line.or(Some(raw.line)), kind, &raw.name, String::new);
     };
-    if let Some(line) = raw.map_kd.or(raw.other_map) {
-        warn(Some(line), "textures are not supported; its plain colours are used");
+    for At { value: key, line } in &raw.other_maps {
+        warn(Some(*line), &format!("{key} is not read; its plain value is used"));
     }
-    let kind = raw.kind.unwrap_or_else(|| kind(raw));
     let ks = raw.ks.map_or(BLACK, |ks| ks.value);
     let mut result = Material::matte(raw.name.clone(), BLACK);
     result.emission = raw.ke.map_or(BLACK, |ke| ke.value);
@@ -60,27 +69,38 @@ pub(crate) fn material(raw: &RawMaterial, warnings: &mut Warnings) -> Result<Mat
         if let Some(kd) = raw.kd.filter(|kd| spectrum::max(&kd.value) > NOTICED_DIFFUSE) {
             warn(Some(kd.line), "Kd of a glass is ignored");
         }
+        if let Some(stated) = raw.map_kd.as_ref().or(raw.map_d.as_ref()) {
+            warn(Some(stated.line), "textures of a glass are not read");
+        }
         result.dielectric = Some(dielectric(raw, &mut warn));
         result.spectra = spectra(raw, kind);
         return Ok(result);
     }
-    if transmits_like_cutout(raw) {
-        warn(
-            raw.d.or(raw.tr).map(|d| d.line).or(raw.map_d),
-            "cut-out transparency is not supported; it is opaque",
-        );
+    if opacity.is_none() && raw.map_d.is_none() && transmits_like_cutout(raw) {
+        warn(raw.d.or(raw.tr).map(|d| d.line), "d and Tr are no cut-outs; it is opaque");
     }
-    result.diffuse = diffuse(raw, kind, &mut warn);
+    if (opacity.is_some() || raw.opacity.is_some()) && result.emits() {
+        warn(raw.opacity.map(|o| o.line), "what shines is opaque: its opacity is ignored");
+    }
+    result.opacity = opacity.filter(|_| !result.emits());
+    result.diffuse = diffuse(raw, kind, colour.as_ref(), &mut warn);
+    // the largest texel says how much is reflected
+    let most = colour.as_ref().map_or(WHITE, |texture| spectrum::from_rgb(texture.most()));
+    result.diffuse_texture = colour;
     result.spectra = spectra(raw, kind);
     match kind {
-        Kind::Mirror => result.specular = raw.ks.map_or(mirror_default(raw), |ks| ks.value),
+        Kind::Mirror => {
+            let diffuse = spectrum::mul(&result.diffuse, &most);
+            result.specular = raw.ks.map_or(mirror_default(raw, &diffuse), |ks| ks.value);
+        }
         Kind::Glossy if !spectrum::is_black(&ks) => {
             result.glossy = ks;
             result.glossy_exponent = exponent(raw);
         }
         Kind::Matte | Kind::Glossy | Kind::Glass => {}
     }
-    let albedo = spectrum::add(&spectrum::add(&result.diffuse, &result.glossy), &result.specular);
+    let matte = spectrum::mul(&result.diffuse, &most);
+    let albedo = spectrum::add(&spectrum::add(&matte, &result.glossy), &result.specular);
     let largest = spectrum::max(&albedo);
     if largest > 1.0 {
         if largest > 1.0 + ALBEDO_SLACK {
@@ -130,7 +150,7 @@ fn transmits(raw: &RawMaterial) -> bool {
 /// d < 1, or Tr strictly between opaque and clear: Tr 0 and Tr 1 both mean opaque in some exporter.
 fn transmits_like_cutout(raw: &RawMaterial) -> bool {
     let opacity = raw.d.map(|d| d.value).or(raw.tr.filter(|tr| tr.value > 0.0).map(|tr| tr.value));
-    raw.map_d.is_some() || opacity.is_some_and(|opacity| opacity < 1.0)
+    opacity.is_some_and(|opacity| opacity < 1.0)
 }
 
 fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> Dielectric {
@@ -157,8 +177,35 @@ fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> 
     }
 }
 
-fn diffuse(raw: &RawMaterial, kind: Kind, warn: &mut impl FnMut(Option<usize>, &str)) -> Bands {
+/// How much of a surface is there; none where all of it is.
+fn opacity(
+    raw: &RawMaterial,
+    kind: Kind,
+    textures: &mut Store,
+    warnings: &mut Warnings,
+) -> Result<Option<Opacity>> {
+    if kind == Kind::Glass {
+        return Ok(None);
+    }
+    let texture = match &raw.map_d {
+        Some(stated) => textures.texture(stated, Role::Opacity, warnings)?,
+        None => None,
+    };
+    let factor = raw.opacity.map_or(1.0, |opacity| opacity.value);
+    Ok((texture.is_some() || factor < 1.0).then_some(Opacity { factor, texture }))
+}
+
+fn diffuse(
+    raw: &RawMaterial,
+    kind: Kind,
+    texture: Option<&Texture>,
+    warn: &mut impl FnMut(Option<usize>, &str),
+) -> Bands {
     let stated = raw.kd.map(|kd| kd.value);
+    if texture.is_some() {
+        let alone = raw.textured.unwrap_or(WHITE);
+        return stated.filter(|kd| raw.textured.is_none() && !spectrum::is_black(kd)).unwrap_or(alone);
+    }
     if raw.map_kd.is_some() && stated.is_none_or(|kd| spectrum::is_black(&kd)) {
         return GREY;
     }
@@ -175,11 +222,10 @@ fn diffuse(raw: &RawMaterial, kind: Kind, warn: &mut impl FnMut(Option<usize>, &
 }
 
 /// A mirror that a scene file asks for without Ks reflects all that Kd leaves; one of an MTL reflects nothing.
-fn mirror_default(raw: &RawMaterial) -> Bands {
-    match (raw.kind, raw.kd) {
-        (None, _) => BLACK,
-        (Some(_), None) => WHITE,
-        (Some(_), Some(kd)) => kd.value.map(|kd| (1.0 - kd).max(0.0)),
+fn mirror_default(raw: &RawMaterial, diffuse: &Bands) -> Bands {
+    match raw.kind {
+        None => BLACK,
+        Some(_) => diffuse.map(|kd| (1.0 - kd).max(0.0)),
     }
 }
 

@@ -10,6 +10,7 @@ use super::shape::Shape;
 use super::spectrum_entry;
 use super::table::{Source, Table, TextOrTable, parse};
 use super::text;
+use super::texture::entry;
 use super::transform::Transform;
 use crate::spectrum::lamp::Emission;
 use crate::{Error, Result};
@@ -191,7 +192,8 @@ fn material_entry(table: Table, path: &Path) -> Result<MaterialEntry> {
 }
 
 /// What may be said of a material.
-const MATERIAL_KEYS: [&str; 9] = ["type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness", "thin"];
+const MATERIAL_KEYS: [&str; 10] =
+    ["type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness", "thin", "opacity"];
 
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
 fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
@@ -212,8 +214,11 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         }
     };
     let single = |value: Option<At<f64>>| value.map(|v| At { value: v.value as f32, line: v.line });
+    let map_kd = entry::texture(table, "kd", path)?;
+    let map_d = entry::texture(table, "opacity", path)?;
+    let opacity = if map_d.is_some() { None } else { opacity(table)? };
     let [(kd, kd_spectrum), (ks, ks_spectrum), (tf, tf_spectrum)] = [
-        spectrum_entry::reflectance(table, "kd")?,
+        if map_kd.is_some() { (None, None) } else { spectrum_entry::reflectance(table, "kd")? },
         spectrum_entry::reflectance(table, "ks")?,
         spectrum_entry::reflectance(table, "tint")?,
     ];
@@ -233,6 +238,22 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         spectra: RawSpectra { kd: kd_spectrum, ks: ks_spectrum, tf: tf_spectrum, ke: ke_spectrum, ni: index },
         ns: single(table.number("exponent")?),
         pr: single(table.number("roughness")?),
+        map_kd,
+        map_d,
+        opacity,
         ..Default::default()
     })
+}
+
+/// How much of a surface is there, as a number.
+fn opacity(table: &Table) -> Result<Option<At<f32>>> {
+    match table.number("opacity")? {
+        None => Ok(None),
+        Some(At { value, line }) if (0.0..=1.0).contains(&value) => {
+            Ok(Some(At { value: value as f32, line }))
+        }
+        Some(At { value, line }) => {
+            Err(table.fault(line, &format!("opacity {value}"), "give 0 (not there) to 1 (opaque)"))
+        }
+    }
 }

@@ -201,14 +201,21 @@ fn quad(mesh: &mut Mesh, center: DVec3, across: DVec3, along: DVec3) {
     let first = mesh.positions.len() as u32;
     let corner = |x: f64, y: f64| center + across * x + along * y;
     mesh.positions.extend([corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)]);
-    for vertex in [[0, 1, 2], [0, 2, 3]] {
-        mesh.triangles.push(Triangle { vertex: vertex.map(|v| first + v), normal: None, material: 0 });
+    let first_uv = mesh.uvs.len() as u32;
+    mesh.uvs.extend(SQUARE);
+    for corners in [[0, 1, 2], [0, 2, 3]] {
+        let [vertex, uv] = [first, first_uv].map(|first| corners.map(|k| first + k));
+        mesh.triangles.push(Triangle { vertex, normal: None, uv: Some(uv), material: 0 });
     }
 }
+
+/// Texture coordinates of the corners of a square, counter-clockwise.
+const SQUARE: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
 fn cube(half: DVec3) -> Mesh {
     let mut mesh = Mesh::default();
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    mesh.uvs.extend(SQUARE);
     // corners are shared, so that the body is closed
     mesh.positions = (0..8u32)
         .map(|i| half * DVec3::from([0, 1, 2].map(|bit| if i >> bit & 1 == 1 { 1.0 } else { -1.0 })))
@@ -219,8 +226,10 @@ fn cube(half: DVec3) -> Mesh {
             let corner = |a: u32, b: u32| side << k | a << u | b << v;
             let face = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
             let [a, b, c, d] = if side == 1 { face } else { [face[0], face[3], face[2], face[1]] };
-            for vertex in [[a, b, c], [a, c, d]] {
-                mesh.triangles.push(Triangle { vertex, normal: None, material: 0 });
+            for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
+                let vertex = [i, j, k].map(|n| [a, b, c, d][n]);
+                let uv = Some([i, j, k].map(|n| n as u32));
+                mesh.triangles.push(Triangle { vertex, normal: None, uv, material: 0 });
             }
         }
     }
@@ -243,7 +252,7 @@ fn disc(mesh: &mut Mesh, center: DVec3, facing: DVec3, radius: f64, corners: u32
     mesh.positions.extend(circle(facing, corners).map(|p| center + p * radius));
     for i in 0..corners {
         let vertex = [first, first + 1 + i, first + 1 + (i + 1) % corners];
-        mesh.triangles.push(Triangle { vertex, normal: None, material: 0 });
+        mesh.triangles.push(Triangle { vertex, normal: None, uv: None, material: 0 });
     }
 }
 
@@ -259,7 +268,12 @@ fn cylinder(radius: f64, half: DVec3, is_capped: bool, corners: u32) -> Mesh {
         let next = (i + 1) % corners;
         for corner in [[(i, 0), (next, 0), (next, 1)], [(i, 0), (next, 1), (i, 1)]] {
             let vertex = corner.map(|(at, end)| end * corners + at);
-            mesh.triangles.push(Triangle { vertex, normal: Some(corner.map(|(at, _)| at)), material: 0 });
+            mesh.triangles.push(Triangle {
+                vertex,
+                normal: Some(corner.map(|(at, _)| at)),
+                uv: None,
+                material: 0,
+            });
         }
     }
     if is_capped {
@@ -270,7 +284,7 @@ fn cylinder(radius: f64, half: DVec3, is_capped: bool, corners: u32) -> Mesh {
             for i in 0..corners {
                 let [a, b] = [i, (i + 1) % corners].map(|at| end as u32 * corners + at);
                 let vertex = if end == 1 { [middle, a, b] } else { [middle, b, a] };
-                mesh.triangles.push(Triangle { vertex, normal: None, material: 0 });
+                mesh.triangles.push(Triangle { vertex, normal: None, uv: None, material: 0 });
             }
         }
     }
@@ -335,9 +349,10 @@ fn sphere(radius: f64, tolerance: f64) -> Mesh {
     Mesh {
         positions: points.iter().map(|p| *p * radius).collect(),
         normals: points.iter().map(|p| p.as_vec3()).collect(),
+        uvs: Vec::new(),
         triangles: faces
             .into_iter()
-            .map(|vertex| Triangle { vertex, normal: Some(vertex), material: 0 })
+            .map(|vertex| Triangle { vertex, normal: Some(vertex), uv: None, material: 0 })
             .collect(),
     }
 }

@@ -231,6 +231,15 @@ impl<'a> Table<'a> {
         Ok(Some(At { value, line }))
     }
 
+    /// Two colours.
+    pub(crate) fn colours(&self, key: &str) -> Result<Option<At<[[f64; 3]; 2]>>> {
+        let Some((value, line, _)) = self.get(key) else { return Ok(None) };
+        match rows::<3>(value).as_deref() {
+            Some([a, b]) => Ok(Some(At { value: [*a, *b], line })),
+            _ => Err(self.wrong(key, line, "two colours: [[r, g, b], [r, g, b]]")),
+        }
+    }
+
     /// A text or a table within this one, where the value is one of these.
     pub(crate) fn named_or_table(&self, key: &str) -> Result<Option<TextOrTable<'a>>> {
         match self.get(key) {

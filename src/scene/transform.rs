@@ -95,6 +95,9 @@ impl Transform {
                 if let Some(normal) = &mut t.normal {
                     normal.reverse();
                 }
+                if let Some(uv) = &mut t.uv {
+                    uv.reverse();
+                }
             }
         }
         mesh

@@ -54,7 +54,7 @@ impl Build {
             mesh.normals.extend(n.map(|n| n.normalize().as_vec3()));
             [first, first + 1, first + 2]
         });
-        mesh.triangles.push(Triangle { vertex: [first, first + 1, first + 2], normal, material });
+        mesh.triangles.push(Triangle { vertex: [first, first + 1, first + 2], normal, uv: None, material });
     }
 
     /// A parallelogram whose front looks along `u` × `w`.

@@ -42,7 +42,12 @@ impl Builder {
     pub fn triangle(&mut self, vertices: [DVec3; 3], material: u32) {
         let at = self.scene.mesh.positions.len() as u32;
         self.scene.mesh.positions.extend(vertices);
-        self.scene.mesh.triangles.push(Triangle { vertex: [at, at + 1, at + 2], normal: None, material });
+        self.scene.mesh.triangles.push(Triangle {
+            vertex: [at, at + 1, at + 2],
+            normal: None,
+            uv: None,
+            material,
+        });
     }
 
     /// Add a parallelogram whose front looks along `u` × `v`.
@@ -74,7 +79,12 @@ impl Builder {
             if smooth {
                 self.scene.mesh.normals.extend(t.map(|p| p.as_vec3().normalize()));
             }
-            self.scene.mesh.triangles.push(Triangle { vertex: [at, at + 1, at + 2], normal, material });
+            self.scene.mesh.triangles.push(Triangle {
+                vertex: [at, at + 1, at + 2],
+                normal,
+                uv: None,
+                material,
+            });
         }
     }
 

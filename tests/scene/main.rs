@@ -11,3 +11,4 @@ mod meshes;
 mod scene_file;
 mod shapes;
 mod spectra;
+mod textures;

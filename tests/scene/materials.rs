@@ -162,7 +162,7 @@ fn absent_kd() {
     assert_eq!(material("map_Kd a.png").diffuse, [0.5; 3]);
     assert_eq!(material("Kd 0 0 0\nmap_Kd a.png").diffuse, [0.5; 3]);
     assert_eq!(material("Kd .3 .3 .3\nmap_Kd a.png").diffuse, [0.3; 3]);
-    assert!(warnings("map_Kd a.png").contains("textures are not supported"));
+    assert!(warnings("map_Kd a.png").contains("\"a.png\" is not found; the plain colour is used"));
 }
 
 /// Warnings of one kind about many materials are one line with the first names and a count; of two, both; others stay apart.
@@ -171,17 +171,17 @@ fn warnings_of_one_kind_are_one_line() {
     let told = |count: usize| {
         let names: Vec<String> = (0..count).map(|i| format!("m{i}")).collect();
         let faces: String = names.iter().map(|n| format!("usemtl {n}\nf 1 2 3\n")).collect();
-        let mtl: String = names.iter().map(|n| format!("newmtl {n}\nmap_Kd {n}.png\n")).collect();
+        let mtl: String = names.iter().map(|n| format!("newmtl {n}\nbump {n}.png\nKd .5 .5 .5\n")).collect();
         let obj = format!("mtllib m.mtl\n{TRIANGLE}{faces}usemtl n\nf 1 2 3\n");
         let mtl = format!("{mtl}newmtl n\nKd 1 1 1\nd .5\n");
         let files = [("a.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes())];
         let mut lines = Folder::new(&files).load("a.obj").unwrap().warnings;
         lines.retain(|line| !line.contains("point light"));
         assert_eq!(lines.len(), 2, "{lines:#?}");
-        assert!(lines[1].ends_with("material \"n\": cut-out transparency is not supported; it is opaque"));
+        assert!(lines[1].ends_with("material \"n\": d and Tr are no cut-outs; it is opaque"));
         lines.swap_remove(0)
     };
-    let rest = ": textures are not supported; its plain colours are used";
+    let rest = ": bump is not read; its plain value is used";
     let one = told(1);
     assert!(one.ends_with(&format!("m.mtl:2: material \"m0\"{rest}")), "{one}");
     let two = told(2);
@@ -204,10 +204,10 @@ fn reflectances_sum_to_one_at_most() {
     assert!(!warnings("Kd .9 .9 .9\nKs .1 .1 .1").contains("scaled down"), "rounding is no fault");
 }
 
-/// Rule 8: cut-outs stay opaque with a warning, Tr 0 and 1 without.
+/// Rule 8: d and Tr alone cut nothing out, which a warning says; Tr 0 and 1 are opaque without one.
 #[test]
-fn cutouts_are_opaque() {
-    let cases = [("d 0.5", true), ("map_d a.png", true), ("Tr 0.5", true), ("d 1", false), ("Tr 0", false)];
+fn d_and_tr_are_no_cutouts() {
+    let cases = [("d 0.5", true), ("map_d a.png", false), ("Tr 0.5", true), ("d 1", false), ("Tr 0", false)];
     for (statement, expected) in cases.into_iter().chain([("Tr 1", false)]) {
         assert_eq!(warnings(&format!("Kd 1 1 1\n{statement}")).contains("cut-out"), expected, "{statement}");
     }

@@ -1,0 +1,157 @@
+//! Textures: pictures on surfaces, and how they lie there \[E37\].
+
+mod decode;
+pub(crate) mod entry;
+pub(crate) mod stated;
+pub(crate) mod store;
+
+pub use half::f16;
+use std::sync::Arc;
+
+/// Texels of a picture, row by row from the top: red, green, blue and opacity.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Texels {
+    /// In 8 bits each.
+    Bytes(Vec<[u8; 4]>),
+    /// In half floats, linear; from 0 to 1.
+    Halves(Vec<[f16; 4]>),
+}
+
+/// A picture as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bitmap {
+    /// Texels across and down; at least one each.
+    pub size: [u32; 2],
+    /// All of them.
+    pub texels: Texels,
+}
+
+/// How the red, green and blue of a texel in 8 bits are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Space {
+    /// Encoded by the curve of sRGB.
+    Srgb,
+    /// In proportion to light.
+    Linear,
+}
+
+/// What lies outside of the unit square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The picture again.
+    Repeat,
+    /// Its mirror image, then the picture again.
+    Mirror,
+    /// Its edge.
+    Clamp,
+}
+
+/// What lies between the middles of texels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// Their mean by distance.
+    Linear,
+    /// The nearest.
+    Nearest,
+}
+
+/// A picture, and how it lies on a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    /// What it shows.
+    pub bitmap: Arc<Bitmap>,
+    /// How its colours are meant; halves are linear.
+    pub space: Space,
+    /// What lies outside of it.
+    pub wrap: Wrap,
+    /// What lies between its texels.
+    pub filter: Filter,
+    /// Factor on texture coordinates …
+    pub scale: [f32; 2],
+    /// … and what is added after it.
+    pub offset: [f32; 2],
+}
+
+/// How much of a surface is there: the rest lets light straight through \[E38\].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Opacity {
+    /// Of all of it, from 0 to 1 …
+    pub factor: f32,
+    /// … times the opacity of a texture's texels.
+    pub texture: Option<Texture>,
+}
+
+impl Bitmap {
+    /// A board of two by two squares: the first colour at the lower left and the upper right.
+    pub fn board([a, b]: [[f32; 3]; 2]) -> Self {
+        let [a, b] = [a, b].map(|[r, g, b]| [r, g, b, 1.0].map(f16::from_f32));
+        Self { size: [2; 2], texels: Texels::Halves(vec![b, a, a, b]) }
+    }
+
+    /// One white texel.
+    pub fn white() -> Self {
+        Self { size: [1; 2], texels: Texels::Bytes(vec![[255; 4]]) }
+    }
+}
+
+impl Texture {
+    /// A picture over the unit square of texture coordinates, again and again.
+    pub fn of(bitmap: Arc<Bitmap>, space: Space) -> Self {
+        let (wrap, filter) = (Wrap::Repeat, Filter::Linear);
+        Self { bitmap, space, wrap, filter, scale: [1.0; 2], offset: [0.0; 2] }
+    }
+
+    /// The largest red, green and blue of any texel, linear.
+    pub fn most(&self) -> [f32; 3] {
+        match &self.bitmap.texels {
+            Texels::Bytes(texels) => {
+                let most = texels.iter().fold([0; 3], |m, t| std::array::from_fn(|k| m[k].max(t[k])));
+                most.map(|x| self.space.to_linear(f32::from(x) / 255.0))
+            }
+            Texels::Halves(texels) => {
+                texels.iter().fold([0.0; 3], |m, t| std::array::from_fn(|k| f32::max(m[k], f32::from(t[k]))))
+            }
+        }
+    }
+}
+
+impl Space {
+    /// A number in proportion to light, of an encoded one from 0 to 1.
+    pub fn to_linear(self, encoded: f32) -> f32 {
+        match self {
+            Self::Linear => encoded,
+            Self::Srgb if encoded <= 0.040_45 => encoded / 12.92,
+            Self::Srgb => ((encoded + 0.055) / 1.055).powf(2.4),
+        }
+    }
+
+    /// The opposite way.
+    pub fn encoded(self, linear: f32) -> f32 {
+        match self {
+            Self::Linear => linear,
+            Self::Srgb if linear <= 0.003_130_8 => linear * 12.92,
+            Self::Srgb => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The curve of sRGB goes through the values of its standard, and back.
+    #[test]
+    fn the_curve_is_that_of_srgb() {
+        for (encoded, linear) in [(0.0, 0.0), (0.04, 0.003_095_975), (0.5, 0.214_041_1), (1.0, 1.0)] {
+            assert!((Space::Srgb.to_linear(encoded) - linear).abs() < 1e-6, "{encoded}");
+            assert!((Space::Srgb.encoded(linear) - encoded).abs() < 1e-6, "{linear}");
+        }
+    }
+
+    /// What is largest is found in each channel by itself.
+    #[test]
+    fn the_most_of_a_texture_is_that_of_its_channels() {
+        let board = Bitmap::board([[0.25, 0.5, 0.0], [0.75, 0.125, 0.0]]);
+        assert_eq!(Texture::of(Arc::new(board), Space::Linear).most(), [0.75, 0.5, 0.0]);
+    }
+}

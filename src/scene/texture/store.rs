@@ -1,0 +1,171 @@
+//! Store: finds and reads the pictures that textures show, each once.
+
+use super::stated::{Source, StatedTexture};
+use super::{Bitmap, Space, Texels, Texture, decode, f16};
+use crate::scene::finder::Finder;
+use crate::scene::warnings::{Named, Warnings};
+use crate::{Error, Result};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What a texture is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Role {
+    /// Colour: its red, green and blue.
+    Colour,
+    /// Opacity: its own, or its luminance where it has none.
+    Opacity,
+}
+
+/// A picture as it is asked for: file, what it is of, and the bits of the range that it is put into.
+type Key = (PathBuf, Role, [u32; 2]);
+
+/// Pictures that were read.
+#[derive(Debug, Default)]
+pub(crate) struct Store {
+    finders: HashMap<PathBuf, Finder>,
+    read: HashMap<PathBuf, Result<Arc<Bitmap>, String>>,
+    /// Those that are not used as they were read.
+    derived: HashMap<Key, Arc<Bitmap>>,
+    boards: Vec<Arc<Bitmap>>,
+    /// Their files, in the order in which they were read.
+    pub(crate) files: Vec<PathBuf>,
+}
+
+impl Store {
+    /// The texture that is stated; none, with a warning, where its picture cannot be had.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where that is no warning: where a scene file states it.
+    pub(crate) fn texture(
+        &mut self,
+        stated: &StatedTexture,
+        role: Role,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Texture>> {
+        let bitmap = match &stated.source {
+            Source::Board(colours) => self.board(*colours),
+            Source::File(name) => {
+                let Some(path) = self.find(stated, name) else {
+                    if stated.is_required {
+                        let what = format!("texture {name} does not exist");
+                        let remedy = "names are relative to the scene file";
+                        return Err(Error::scene(&stated.file, Some(stated.line), what, remedy));
+                    }
+                    let kind = Named {
+                        noun: ["texture", "textures"],
+                        what: [
+                            " is not found; the plain colour is used",
+                            " are not found; plain colours are used",
+                        ],
+                    };
+                    warnings.add_named(&stated.file, Some(stated.line), kind, name, String::new);
+                    return Ok(None);
+                };
+                match self.bitmap(&path, role, stated, warnings) {
+                    Ok(bitmap) => bitmap,
+                    Err(what) if stated.is_required => {
+                        let remedy = "name another one, or leave the texture out";
+                        return Err(Error::scene(&stated.file, Some(stated.line), what, remedy));
+                    }
+                    Err(what) => {
+                        let what = format!("{what}; the plain colour is used");
+                        warnings.add(&stated.file, Some(stated.line), what);
+                        return Ok(None);
+                    }
+                }
+            }
+        };
+        let space = match (&bitmap.texels, role, stated.space) {
+            (Texels::Halves(_), ..) | (_, Role::Opacity, _) => Space::Linear,
+            (Texels::Bytes(_), Role::Colour, space) => space.unwrap_or(Space::Srgb),
+        };
+        let StatedTexture { wrap, filter, scale, offset, .. } = *stated;
+        Ok(Some(Texture { bitmap, space, wrap, filter, scale, offset }))
+    }
+
+    fn board(&mut self, colours: [[f32; 3]; 2]) -> Arc<Bitmap> {
+        let board = Bitmap::board(colours);
+        if let Some(known) = self.boards.iter().find(|known| ***known == board) {
+            return known.clone();
+        }
+        self.boards.push(Arc::new(board));
+        self.boards[self.boards.len() - 1].clone()
+    }
+
+    /// The file that a name means; what follows a `#` may be a comment.
+    fn find(&mut self, stated: &StatedTexture, name: &str) -> Option<PathBuf> {
+        let folder = stated.file.parent().unwrap_or(Path::new("")).to_owned();
+        let finder = self.finders.entry(folder.clone()).or_insert_with(|| Finder::new(folder));
+        let alone = name.split_once(" #").map(|(name, _)| name);
+        finder.find(name).or_else(|| finder.find(alone?))
+    }
+
+    fn bitmap(
+        &mut self,
+        path: &Path,
+        role: Role,
+        stated: &StatedTexture,
+        warnings: &mut Warnings,
+    ) -> Result<Arc<Bitmap>, String> {
+        if !self.read.contains_key(path) {
+            self.files.push(path.to_owned());
+            let read = decode::read(path).map(|(bitmap, is_cut)| {
+                if is_cut {
+                    let what = format!("texture {} has values outside of 0 to 1", path.display());
+                    let what = format!("{what}, more than is reflected; they are cut");
+                    warnings.add(&stated.file, Some(stated.line), what);
+                }
+                Arc::new(bitmap)
+            });
+            self.read.insert(path.to_owned(), read.map_err(|error| error.to_string()));
+        }
+        let read = match self.read.get(path) {
+            Some(read) => read.clone()?,
+            None => return Err(format!("{} was not read", path.display())),
+        };
+        let is_plain = stated.range == [0.0, 1.0];
+        if is_plain && (role == Role::Colour || has_opacity(&read)) {
+            return Ok(read);
+        }
+        let key = (path.to_owned(), role, stated.range.map(f32::to_bits));
+        let derive = || Arc::new(derived(&read, role, stated.range));
+        Ok(self.derived.entry(key).or_insert_with(derive).clone())
+    }
+}
+
+/// True where some texel is not opaque.
+fn has_opacity(bitmap: &Bitmap) -> bool {
+    match &bitmap.texels {
+        Texels::Bytes(texels) => texels.iter().any(|t| t[3] < u8::MAX),
+        Texels::Halves(texels) => texels.iter().any(|t| t[3] < f16::ONE),
+    }
+}
+
+/// Luminance of the primaries of sRGB.
+const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// A picture with its numbers put into a range; as opacity where it is to be that and has none.
+fn derived(bitmap: &Bitmap, role: Role, [base, gain]: [f32; 2]) -> Bitmap {
+    let by_luminance = role == Role::Opacity && !has_opacity(bitmap);
+    let texel = |[r, g, b, a]: [f32; 4]| {
+        let ranged = |x: f32| (base + gain * x).clamp(0.0, 1.0);
+        let luminance = r * LUMINANCE[0] + g * LUMINANCE[1] + b * LUMINANCE[2];
+        match (role, by_luminance) {
+            (Role::Colour, _) => [ranged(r), ranged(g), ranged(b), a],
+            (Role::Opacity, true) => [ranged(luminance); 4],
+            (Role::Opacity, false) => [ranged(a); 4],
+        }
+    };
+    let texels = match &bitmap.texels {
+        Texels::Bytes(texels) => {
+            let byte = |x: f32| (x * 255.0).round() as u8;
+            Texels::Bytes(texels.iter().map(|t| texel(t.map(|x| f32::from(x) / 255.0)).map(byte)).collect())
+        }
+        Texels::Halves(texels) => {
+            Texels::Halves(texels.iter().map(|t| texel(t.map(f32::from)).map(f16::from_f32)).collect())
+        }
+    };
+    Bitmap { size: bitmap.size, texels }
+}

@@ -1,0 +1,272 @@
+//! Textures: coordinates, pictures, and what MTL and scene files say of them.
+
+use crate::folder::{Folder, refused, warned};
+use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
+use joton::Error;
+use joton::scene::Scene;
+use joton::scene::texture::{Filter, Space, Texels, Wrap};
+use std::io::Cursor;
+
+const SQUARE: &str =
+    "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\n";
+
+/// A picture of one colour in a format.
+fn picture(colour: [u8; 3], format: ImageFormat) -> Vec<u8> {
+    let image = DynamicImage::ImageRgb8(RgbImage::from_pixel(3, 2, Rgb(colour)));
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, format).unwrap();
+    bytes.into_inner()
+}
+
+fn png(colour: [u8; 3]) -> Vec<u8> {
+    picture(colour, ImageFormat::Png)
+}
+
+/// A square with texture coordinates, of material `m`, beside pictures.
+fn load(faces: &str, mtl: &str, pictures: &[(&str, &[u8])]) -> Result<Scene, Error> {
+    let obj = format!("{SQUARE}{faces}\n");
+    let mtl = format!("newmtl m\n{mtl}\n");
+    let mut files = vec![("a.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes())];
+    files.extend_from_slice(pictures);
+    Folder::new(&files).load("a.obj")
+}
+
+/// The square with a picture `a.png` of one colour.
+fn textured(mtl: &str) -> Scene {
+    load("f 1/1 2/2 3/3 4/4", mtl, &[("a.png", &png([255, 0, 102]))]).unwrap()
+}
+
+/// The texture coordinates of each corner of each triangle, by where it lies.
+fn corners(scene: &Scene) -> Vec<([f64; 2], [f32; 2])> {
+    let mesh = &scene.mesh;
+    let of = |t: &joton::scene::Triangle| {
+        let uv = t.uv.expect("coordinates");
+        let corner = move |k: usize| {
+            let p = mesh.positions[t.vertex[k] as usize];
+            ([p.x, p.y], mesh.uvs[uv[k] as usize])
+        };
+        [0, 1, 2].map(corner)
+    };
+    mesh.triangles.iter().flat_map(of).collect()
+}
+
+/// Corners keep their coordinates in polygons that are cut, with and without normals, counted backwards, and where a mirror turns the
+/// triangle over.
+#[test]
+fn corners_keep_their_coordinates() {
+    for faces in ["f 1/1 2/2 3/3 4/4", "f -4/-4 -3/-3 -2/-2 -1/-1", "vn 0 0 1\nf 1/1/1 2/2/1 3/3/1 4/4/1"] {
+        let scene = load(faces, "map_Kd a.png", &[("a.png", &png([9; 3]))]).unwrap();
+        assert_eq!(corners(&scene).len(), 6);
+        for ([x, y], [u, v]) in corners(&scene) {
+            assert_eq!([x as f32, y as f32], [u, v], "{faces}");
+        }
+    }
+    let obj = format!("{SQUARE}f 1/1 2/2 3/3 4/4\n");
+    let toml = "[[mesh]]\nfile = \"a.obj\"\nmatrix = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]\n\
+        [[light]]\nkind = \"sun\"\ndirection = [0, 0, 1]\nirradiance = 1\n";
+    let files = [
+        ("a.obj", obj.as_bytes()),
+        ("m.mtl", &b"newmtl m\nmap_Kd a.png\n"[..]),
+        ("a.png", &png([9; 3])),
+        ("s.toml", toml.as_bytes()),
+    ];
+    let scene = Folder::new(&files).load("s.toml").unwrap();
+    for ([x, y], [u, v]) in corners(&scene) {
+        assert_eq!([-x as f32, y as f32], [u, v], "mirrored");
+    }
+}
+
+/// Coordinates that are wrong or missing are told, and nothing is lost by them; a scene without textures keeps none.
+#[test]
+fn faults_of_coordinates_are_told() {
+    let picture = png([9; 3]);
+    let with = |faces: &str| load(faces, "map_Kd a.png", &[("a.png", &picture)]).unwrap();
+    let scene = with("f 1/1 2/2 3/9");
+    warned(&scene, "a.obj:11", "texture coordinates that do not exist");
+    warned(&scene, "a.obj:11", "without texture coordinates");
+    assert!(scene.mesh.triangles[0].uv.is_none());
+    let scene = with("vt x 1\nvt 0.5\nvt 1 2 3\nf 1/5 2/6 3/7");
+    warned(&scene, "a.obj:11", "not finite numbers");
+    let uvs: Vec<[f32; 2]> = corners(&scene).into_iter().map(|(_, uv)| uv).collect();
+    assert_eq!(uvs, [[0.0; 2], [0.5, 0.0], [1.0, 2.0]]);
+    let plain = load("f 1/1 2/2 3/3", "Kd .5 .5 .5", &[]).unwrap();
+    assert!(plain.mesh.uvs.is_empty() && plain.mesh.triangles[0].uv.is_none());
+}
+
+/// map_Kd multiplies Kd, and stands alone where Kd is black or absent; the largest texel says how much is reflected.
+#[test]
+fn map_kd_multiplies_kd() {
+    for (mtl, wanted) in [("Kd .5 .25 1\n", [0.5, 0.25, 1.0]), ("", [1.0; 3]), ("Kd 0 0 0\n", [1.0; 3])] {
+        let scene = textured(&format!("{mtl}map_Kd a.png"));
+        assert_eq!(scene.materials[0].diffuse, wanted, "{mtl}");
+        let texture = scene.materials[0].diffuse_texture.as_ref().expect("a texture");
+        assert_eq!((texture.bitmap.size, texture.space), ([3, 2], Space::Srgb));
+        let most = texture.most();
+        assert!(most[0] == 1.0 && most[1] == 0.0 && (most[2] - 0.132_868_3).abs() < 1e-6, "{most:?}");
+        assert!(scene.files.iter().any(|f| f.ends_with("a.png")), "it is read, so it is not written over");
+    }
+    // 1 + 0.5 in red, 0.13 + 0.5 in blue
+    let m = textured("Ks .5 .5 .5\nNs 10\nmap_Kd a.png").materials.remove(0);
+    assert!((m.diffuse[0] - 2.0 / 3.0).abs() < 1e-6 && (m.glossy[0] - 1.0 / 3.0).abs() < 1e-6, "{m:?}");
+}
+
+/// In Blender's libraries the texture is the whole of the colour, but for metal.
+#[test]
+fn blender_means_the_texture_alone() {
+    for (statements, wanted) in [("Kd .5 .5 .5\n", 1.0), ("", 1.0), ("Kd .5 .5 .5\nillum 3\nPm 0.25\n", 0.75)]
+    {
+        let mtl = format!("# Blender 4.0\nnewmtl m\n{statements}map_Kd a.png\n");
+        let obj = format!("{SQUARE}f 1/1 2/2 3/3\n");
+        let files = [("a.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes()), ("a.png", &png([128; 3]))];
+        let m = Folder::new(&files).load("a.obj").unwrap().materials.remove(0);
+        assert_eq!(m.diffuse, [wanted; 3], "{statements}");
+    }
+}
+
+/// Each format gives its colour; the name is found as those of libraries are; a file is read once.
+#[test]
+fn pictures_are_read() {
+    use ImageFormat::{Bmp, Jpeg, Png, Tga};
+    for (format, name) in [(Png, "a.png"), (Jpeg, "a.jpg"), (Bmp, "a.bmp"), (Tga, "a.tga")] {
+        let scene =
+            load("f 1/1 2/2 3/3", &format!("map_Kd C:\\tmp\\{name}"), &[(name, &picture([200; 3], format))]);
+        let scene = scene.unwrap();
+        let texture = scene.materials[0].diffuse_texture.as_ref().expect(name);
+        let Texels::Bytes(texels) = &texture.bitmap.texels else { panic!("bytes") };
+        assert!(
+            texels.len() == 6 && texels.iter().all(|t| t[0].abs_diff(200) <= 2 && t[3] == 255),
+            "{texels:?}"
+        );
+    }
+    let two = load(
+        "f 1/1 2/2 3/3\nusemtl n\nf 1/1 3/3 4/4",
+        "map_Kd A.PNG\nnewmtl n\nmap_Kd -s 2 2 a.png",
+        &[("a.png", &png([1; 3]))],
+    );
+    let two = two.unwrap();
+    let [a, b] = [0, 1].map(|i| two.materials[i].diffuse_texture.as_ref().expect("a texture"));
+    assert!(std::sync::Arc::ptr_eq(&a.bitmap, &b.bitmap) && b.scale == [2.0; 2]);
+}
+
+/// Radiance and OpenEXR files are linear; what they have beyond one is cut, which a warning says.
+#[test]
+fn linear_pictures_are_halves() {
+    let float = image::Rgb32FImage::from_pixel(2, 1, Rgb([0.25f32, 0.5, 4.0]));
+    let mut hdr = Vec::new();
+    let pixels: Vec<Rgb<f32>> = float.pixels().copied().collect();
+    image::codecs::hdr::HdrEncoder::new(&mut hdr).encode(&pixels, 2, 1).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut picture = joton::film::Image::new(2, 1);
+    picture.pixels.fill([0.25, 0.5, 4.0]);
+    joton::output::exr::write_image(&folder.path().join("a.exr"), &picture, "").unwrap();
+    let exr = std::fs::read(folder.path().join("a.exr")).unwrap();
+    for (name, bytes) in [("a.hdr", hdr), ("a.exr", exr)] {
+        let scene = load("f 1/1 2/2 3/3", &format!("map_Kd {name}"), &[(name, &bytes)]).unwrap();
+        warned(&scene, "m.mtl:2", "they are cut");
+        let texture = scene.materials[0].diffuse_texture.as_ref().expect(name);
+        assert_eq!(texture.space, Space::Linear);
+        let most = texture.most();
+        assert!([0.25, 0.5, 1.0].iter().zip(most).all(|(a, b)| (a - b).abs() < 0.005), "{name}: {most:?}");
+    }
+}
+
+/// A picture that is cut, empty, no picture, or not there leaves the plain colour of an MTL, with a warning; in a scene file that is an
+/// error with its line.
+#[test]
+fn faults_of_pictures_are_told() {
+    let whole = png([9; 3]);
+    let cut = &whole[..whole.len() - 20];
+    for (name, bytes, words) in [
+        ("a.png", cut, "no picture that can be read"),
+        ("a.png", &b""[..], "no picture that can be read"),
+        ("a.jpg", &b"hello"[..], "no picture that can be read"),
+        ("a.exr", &b"\x76\x2f\x31\x01junk"[..], "no picture that can be read"),
+        ("a.txt", &b"hello"[..], "give PNG"),
+    ] {
+        let scene = load("f 1/1 2/2 3/3", &format!("Kd .3 .3 .3\nmap_Kd {name}"), &[(name, bytes)]).unwrap();
+        warned(&scene, "m.mtl:3", words);
+        warned(&scene, "m.mtl:3", "the plain colour is used");
+        assert!(scene.materials[0].diffuse_texture.is_none());
+        assert_eq!(scene.materials[0].diffuse, [0.3; 3]);
+        let toml = format!("{TOML}[[material]]\nname = \"m\"\nkd = {{ texture = \"{name}\" }}\n");
+        refused(from_toml(&toml, &[(name, bytes)]), "s.toml:9", words);
+    }
+    refused(from_toml(&format!("{TOML}{NAMED}kd = {{ texture = \"no.png\" }}\n"), &[]), "s.toml:9", "no.png");
+}
+
+const TOML: &str =
+    "[[mesh]]\nfile = \"a.obj\"\n[[light]]\nkind = \"sun\"\ndirection = [0, 0, 1]\nirradiance = 1\n";
+const NAMED: &str = "[[material]]\nname = \"m\"\n";
+
+/// A scene file about the square.
+fn from_toml(toml: &str, pictures: &[(&str, &[u8])]) -> Result<Scene, Error> {
+    let obj = format!("{SQUARE}f 1/1 2/2 3/3 4/4\n");
+    let mut files =
+        vec![("a.obj", obj.as_bytes()), ("m.mtl", b"newmtl m\nKd .2 .2 .2\n"), ("s.toml", toml.as_bytes())];
+    files.extend_from_slice(pictures);
+    Folder::new(&files).load("s.toml")
+}
+
+/// Every key of a texture arrives; a board is sharp.
+#[test]
+fn scene_files_say_how_a_texture_lies() {
+    let picture = png([100; 3]);
+    let with = |what: &str| from_toml(&format!("{TOML}{NAMED}{what}\n"), &[("a.png", &picture)]);
+    let all =
+        "kd = { texture = \"a.png\", scale = [2, 3], offset = 0.5, wrap = \"mirror\", space = \"linear\" }";
+    let scene = with(all).unwrap();
+    let t = scene.materials[0].diffuse_texture.clone().expect("a texture");
+    assert_eq!((t.scale, t.offset, t.wrap, t.space), ([2.0, 3.0], [0.5; 2], Wrap::Mirror, Space::Linear));
+    assert_eq!((t.filter, scene.materials[0].diffuse), (Filter::Linear, [1.0; 3]));
+    let board = with("kd = { checkerboard = [[0.5, 0.5, 0.5], [0.25, 0.125, 0]], scale = 4 }").unwrap();
+    let t = board.materials[0].diffuse_texture.clone().expect("a texture");
+    assert_eq!((t.filter, t.scale, t.most()), (Filter::Nearest, [4.0; 2], [0.5; 3]));
+    for (what, words) in [
+        ("kd = { texture = \"a.png\", wrap = \"mirrored\" }", "did you mean \"mirror\"?"),
+        (
+            "kd = { texture = \"a.png\", checkerboard = [[0, 0, 0], [1, 1, 1]] }",
+            "both texture and checkerboard",
+        ),
+        ("kd = { checkerboard = [[0, 0, 0], [2, 1, 1]] }", "not from 0 to 1"),
+        ("kd = { checkerboard = [[0, 0, 0]] }", "two colours"),
+        ("kd = { texture = \"a.png\", scale = 1e9 }", "beyond"),
+        ("kd = { texture = \"a.png\", size = 2 }", "unknown key"),
+        ("kd = { texture = 3 }", "a text in quotes"),
+        ("opacity = 1.5", "0 (not there) to 1"),
+        ("opacity = { texture = \"a.png\", wrap = 1 }", "a text in quotes"),
+    ] {
+        refused(with(what), "s.toml:9", words);
+    }
+}
+
+/// Opacity is the picture's own where it has some, else its luminance; what shines, and glass, is opaque.
+#[test]
+fn opacity_is_read() {
+    let mut leaf = RgbaImage::from_pixel(2, 1, Rgba([255, 255, 255, 51]));
+    leaf.put_pixel(0, 0, Rgba([0, 0, 0, 255]));
+    let mut bytes = Cursor::new(Vec::new());
+    leaf.write_to(&mut bytes, ImageFormat::Png).unwrap();
+    let (leaf, grey) = (bytes.into_inner(), png([51; 3]));
+    let with = |mtl: &str| load("f 1/1 2/2 3/3", mtl, &[("leaf.png", &leaf), ("a.png", &grey)]).unwrap();
+    for (mtl, wanted) in [
+        ("map_d leaf.png", [255, 51]),
+        ("map_d a.png", [51, 51]),
+        ("d 0\nmap_d -mm 0.5 0.5 a.png", [153, 153]),
+    ] {
+        let scene = with(&format!("Kd .5 .5 .5\n{mtl}"));
+        let opacity = scene.materials[0].opacity.clone().expect("an opacity");
+        let texture = opacity.texture.expect("a texture");
+        let Texels::Bytes(texels) = &texture.bitmap.texels else { panic!("bytes") };
+        assert_eq!([texels[0][3], texels[1][3]], wanted, "{mtl}");
+        assert_eq!((opacity.factor, texture.space), (1.0, Space::Linear));
+    }
+    let shines = with("Ke 1 1 1\nmap_d a.png");
+    assert!(shines.materials[0].opacity.is_none());
+    warned(&shines, "m.mtl:1", "opaque");
+    let glass = with("illum 4\nNi 1.5\nmap_d a.png");
+    assert!(glass.materials[0].opacity.is_none());
+    warned(&glass, "m.mtl:4", "textures of a glass are not read");
+    let half = from_toml(&format!("{TOML}{NAMED}opacity = 0.5\n"), &[]).unwrap();
+    assert_eq!(half.materials[0].opacity.as_ref().map(|o| o.factor), Some(0.5));
+    assert_eq!(half.materials[0].diffuse, [0.2; 3], "the rest stays");
+}
