@@ -55,6 +55,7 @@ macro_rules! for_every_struct {
             joton::packed::PackedTriangle,
             joton::packed::PackedMaterial,
             joton::packed::PackedEmitter,
+            joton::packed::PackedTexture,
             joton::packed::Target,
             joton::packed::SceneInfo,
         )

@@ -21,6 +21,11 @@ fn camera_ray(pixel: u32, jitter: vec2<f32>) -> CameraRay {
     return CameraRay(camera.start + across * camera.ahead, normalize(along), camera.ahead * length(along));
 }
 
+// Width of what a path of this length from the eye sees of a texture at once: the passes of a pixel see all of it [E37].
+fn seen_width(path_length: f32) -> f32 {
+    return TEXTURE_PIXELS * path_length * pass_info.camera.pixel_angle;
+}
+
 // Ray `number` of a pixel, drawn by a stream of random numbers; box filter one pixel wide.
 fn sample_camera(pixel: u32, number: u32, seed: u32, stream: u32) -> CameraRay {
     return camera_ray(pixel, sobol2(number, sequence_seed(seed, pixel, stream)));

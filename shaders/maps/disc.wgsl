@@ -171,7 +171,7 @@ fn surface_area(place: DiscPlace, disc: TrueDisc, found: u32) -> f32 {
 }
 
 fn takes_jotons(triangle: u32) -> bool {
-    return does_scatter(resolved_material(triangle_at(triangle).material));
+    return does_scatter(material_at(triangle_at(triangle).material));
 }
 
 fn whole_disc(radius: f32) -> TrueDisc {

@@ -41,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var throughput = Bands(1.0);
     var emission = Bands(0.0);
     var path_length = camera.travelled;
-    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level);
+    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level, 0u, 0u);
     var events = 0u;
     var rays = 0u;
 
@@ -55,7 +55,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         path_length += hit.t;
         let s = surface_at(hit);
-        var b = bsdf_at(s, direction);
+        var b = bsdf_at(s, direction, seen_width(path_length));
         if is_wanted {
             emission += throughput * le_at(b) * weight_of_eye(splits, trees);
         }
@@ -74,10 +74,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let ways = stop + followed;
         choice *= ways;
         if choice < stop {
+            let albedo = kept_albedo(b.material);
             point = GatherPoint(
                 s.position + b.geometric * s.lift, gather_surface(s.material, events, b.from_front),
                 throughput * (ways / stop), path_length,
                 encode_direction(b.geometric), encode_direction(b.shading), encode_direction(-direction), level,
+                albedo.x, albedo.y,
             );
             break;
         }

@@ -47,6 +47,8 @@ struct Way {
     throughput: Bands,
     // Back faces nearer than this are not met.
     t_back: f32,
+    // From the eye.
+    length: f32,
 }
 
 // Tree `number`, 64 bits, of a pixel. It ends before `steps` comes to `budget`. What it sees is weighed beside so many trees a
@@ -58,7 +60,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
     var found = Seen(Bands(0.0), false, false, 0u);
     var node = 0u;
     let camera = sample_camera(pixel, number.x, seed, STREAM_GLINT_JITTER);
-    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0);
+    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0, camera.travelled);
     var alive = true;
     // A tree may have more rays than an invocation's loops. From half of its steps on one way goes on for all that are left,
     // picked by what they carry: to let each end by chance instead makes the few that remain hundreds of times too bright.
@@ -92,8 +94,9 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
             found.emission += select(Bands(0.0), way.throughput * on_miss(way.direction) * weight, is_wanted);
             continue;
         }
+        way.length += hit.t;
         let s = surface_at(hit);
-        var b = bsdf_at(s, way.direction);
+        var b = bsdf_at(s, way.direction, seen_width(way.length));
         let light = le_at(b);
         if max_band(light) > 0.0 && is_wanted {
             found.emission += way.throughput * light * weight;
@@ -152,7 +155,7 @@ fn after(way: Way, s: Surface, b: Bsdf, weights: LobeWeights, lobe: u32, u: vec2
     let start = departure(s, sample.direction, b.from_front);
     let throughput = way.throughput * albedo_at(b, lobe) * sample.radiance_scale;
     let splits = splits_after(way.splits, weights, lobe);
-    let next = Way(start.origin, way.events + 1u, sample.direction, splits, throughput, start.t_back);
+    let next = Way(start.origin, way.events + 1u, sample.direction, splits, throughput, start.t_back, way.length);
     return Next(next, sample.weight > 0.0 && max_band(throughput) > 0.0);
 }
 

@@ -209,7 +209,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
     }
     (*p).length += hit.t;
     let s = surface_at(hit);
-    var b = bsdf_at(s, direction);
+    var b = bsdf_at(s, direction, 0.0);
     let weights = weights_at(b, (*p).throughput);
     let scattered = scatter_weight(weights);
     let kept = scattered + delta_weight(weights);

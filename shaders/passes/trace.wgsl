@@ -80,7 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             continue;
         }
         let s = surface_at(hit);
-        var b = bsdf_at(s, lane.direction);
+        var b = bsdf_at(s, lane.direction, 0.0);
         let wi = -lane.direction;
         // [E11] jotons see shading normals through their adjoint
         var adjoint_in = 1.0;

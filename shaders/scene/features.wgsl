@@ -4,6 +4,8 @@ override HAS_SMOOTH: bool = true;
 override HAS_SPECULAR: bool = true;
 override HAS_DIELECTRIC: bool = true;
 override HAS_GLOSSY: bool = true;
+// Some surface has a texture.
+override HAS_TEXTURES: bool = true;
 // What the bands are differs from pass to pass.
 override HAS_WAVELENGTHS: bool = true;
 // Some dielectric has an index that differs between the bands.

@@ -1,5 +1,5 @@
-// Records of the scene: what both ways to read it have in common. Triangles, materials and emitters are read by functions that
-// Rust writes from their structs.
+// Records of the scene: what both ways to read it have in common. Triangles, materials, emitters and textures are read by functions
+// that Rust writes from their structs.
 // import: scene/heap.wgsl
 // import: scene/readers.wgsl
 // reads  heap, scene_info
@@ -19,6 +19,10 @@ struct Node {
 fn node_at(index: u32) -> Node {
     let at = 5u * index;
     return Node(node_word(at), node_word(at + 1u), node_word(at + 2u), node_word(at + 3u), node_word(at + 4u));
+}
+
+fn texture_word(at: u32) -> vec4<u32> {
+    return heap_word(scene_info.textures + at);
 }
 
 // Shading normals of a smooth triangle's corners, octahedral.

@@ -17,8 +17,9 @@ struct Bsdf {
     parted: Bands,
 }
 
-fn bsdf_at(s: Surface, direction: vec3<f32>) -> Bsdf {
-    let m = resolved_material(s.material);
+// To who sees so wide a part of the surface at once, internal units; 0 sees textures as fine as they are.
+fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32) -> Bsdf {
+    let m = resolved_material(s.material, s.texture.uv, width * s.texture.per_unit);
     let from_front = dot(direction, s.front) < 0.0;
     let geometric = s.front * select(-1.0, 1.0, from_front);
     let shading = facing_normal(s, direction, geometric);

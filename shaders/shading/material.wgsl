@@ -1,13 +1,39 @@
-// The material at a place. Today it is constant over a surface; what varies over one is looked up here.
-// Twin: src/optics/shading/material.rs.
+// The material at a place: what varies over a surface is looked up here. Twin: src/optics/shading/material.rs.
+// import: scene/features.wgsl
 // import: scene/scene.wgsl
+// import: shading/texture.wgsl
 // reads  scene
 
-fn resolved_material(index: u32) -> PackedMaterial {
-    return material_at(index);
+// Low bits of a material's `textures`: the texture of its diffuse reflectance.
+const COLOUR_TEXTURE: u32 = 0xffffu;
+
+fn is_textured(m: PackedMaterial) -> bool {
+    return HAS_TEXTURES && (m.textures & COLOUR_TEXTURE) != 0u;
+}
+
+// At texture coordinates, to who sees so much of these at once [E37].
+fn resolved_material(index: u32, uv: vec2<f32>, width: f32) -> PackedMaterial {
+    var m = material_at(index);
+    if is_textured(m) {
+        m.diffuse *= bands_of_four(texture_lookup((m.textures & COLOUR_TEXTURE) - 1u, uv, width));
+    }
+    return m;
+}
+
+// The diffuse reflectance of a gather point, as it keeps it.
+fn kept_albedo(m: PackedMaterial) -> vec2<u32> {
+    if !is_textured(m) {
+        return vec2(0u);
+    }
+    let four = four_of_bands(m.diffuse);
+    return vec2(pack2x16float(four.xy), pack2x16float(four.zw));
 }
 
 // Of the surface that a gather point lies on.
 fn material_of_point(point: GatherPoint) -> PackedMaterial {
-    return resolved_material(point.surface & MATERIAL_MASK);
+    var m = material_at(point.surface & MATERIAL_MASK);
+    if is_textured(m) {
+        m.diffuse = bands_of_four(vec4(unpack2x16float(point.albedo_low), unpack2x16float(point.albedo_high)));
+    }
+    return m;
 }

@@ -1,6 +1,7 @@
 // The surface at a hit: position, normals, side.
 // import: accel/intersect.wgsl
 // import: accel/lift.wgsl
+// import: shading/texture.wgsl
 // reads  scene
 
 struct Surface {
@@ -14,13 +15,19 @@ struct Surface {
     emitter: u32,
     // How far off its plane f32 may put the position.
     lift: f32,
+    // Where a texture lies on it.
+    texture: TexturePlace,
 }
 
 fn surface_at(hit: Hit) -> Surface {
     let t = triangle_at(hit.triangle);
     let front = normalize(cross(t.e1, t.e2));
     let lift = lift_of(front, abs(t.v0) + abs(t.e1) + abs(t.e2));
-    var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift);
+    let nowhere = TexturePlace(vec2(0.0), 0.0);
+    var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift, nowhere);
+    if HAS_TEXTURES && (t.flags & TEXTURED) != 0u {
+        s.texture = texture_place(hit.triangle, t, vec2(hit.u, hit.v));
+    }
     if HAS_SMOOTH && (t.flags & SMOOTH) != 0u {
         let packed = normals_at(hit.triangle);
         let n = (1.0 - hit.u - hit.v) * decode_direction(packed.x) + hit.u * decode_direction(packed.y)

@@ -1,8 +1,9 @@
 //! Rays and what they meet: surfaces with both normals turned toward where the ray came from.
 
 use crate::optics::shading::frame::Frame;
+use crate::optics::shading::texture::TexturePlace;
 use crate::packed::constants::{LIFT, LIFT_LEAST};
-use crate::packed::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH};
+use crate::packed::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH, TEXTURED, Textures};
 use glam::Vec3;
 
 /// A ray; the direction is a unit vector.
@@ -40,6 +41,10 @@ pub(crate) struct SurfaceInteraction<'a> {
     pub(crate) smooth: bool,
     pub(crate) triangle: &'a PackedTriangle,
     pub(crate) material: &'a PackedMaterial,
+    /// Where its texture lies.
+    pub(crate) texture: TexturePlace,
+    /// Those of the scene.
+    pub(crate) textures: &'a Textures,
 }
 
 impl<'a> SurfaceInteraction<'a> {
@@ -64,6 +69,11 @@ impl<'a> SurfaceInteraction<'a> {
         } else {
             ng
         };
+        let texture = if triangle.flags & TEXTURED != 0 {
+            TexturePlace::on(triangle, &scene.textures.uvs[hit.triangle as usize], hit.u, hit.v)
+        } else {
+            TexturePlace::default()
+        };
         Some(Self {
             position: triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v,
             back: -ray.direction,
@@ -74,6 +84,8 @@ impl<'a> SurfaceInteraction<'a> {
             smooth,
             triangle,
             material: &scene.materials[triangle.material as usize],
+            texture,
+            textures: &scene.textures,
         })
     }
 

@@ -1,9 +1,9 @@
-//! The scene heap: hierarchy, triangles, normals, materials and emitters in one buffer of words of 16 bytes. Kernels read
+//! The scene heap: hierarchy, triangles, normals, materials, emitters and textures in one buffer of words of 16 bytes. Kernels read
 //! it through the functions of shaders/scene/scene.wgsl; [`SceneInfo`] says where each section begins.
 
 use crate::packed::accel::Node;
 use crate::packed::gpu_struct::{GpuStruct, gpu_struct};
-use crate::packed::{PackedEmitter, PackedMaterial, PackedScene, PackedTriangle};
+use crate::packed::{PackedEmitter, PackedMaterial, PackedScene, PackedTexture, PackedTriangle, PackedUvs};
 use crate::spectrum::BANDS;
 use glam::{Vec2, Vec3};
 use std::borrow::Cow;
@@ -27,12 +27,12 @@ gpu_struct! {
         pub materials: u32,
         /// Emitters, 5 words each, with the probabilities by which this kernel picks them.
         pub emitters: u32,
-        /// Padding.
-        pub pad0: u32,
-        /// Padding.
-        pub pad1: u32,
-        /// Padding.
-        pub pad2: u32,
+        /// Texture coordinates of triangles, 2 words each.
+        pub uvs: u32,
+        /// Textures, 3 words each.
+        pub textures: u32,
+        /// Their texels.
+        pub texels: u32,
     }
 }
 
@@ -49,25 +49,34 @@ pub struct HeapCounts {
     pub materials: usize,
     /// Emitters of each list.
     pub emitters: usize,
+    /// Triangles with texture coordinates: all or none.
+    pub uvs: usize,
+    /// Textures.
+    pub textures: usize,
+    /// Words of their texels.
+    pub texels: usize,
     /// Lists of emitters, which differ in their probabilities.
     pub lists: usize,
 }
 
 /// Sections in their order, and the bytes of an entry.
-pub const SECTIONS: [(&str, usize); 5] = [
+pub const SECTIONS: [(&str, usize); 8] = [
     ("nodes", size_of::<Node>()),
     ("triangles", size_of::<PackedTriangle>()),
     ("normals", size_of::<PackedNormals>()),
     ("materials", size_of::<PackedMaterial>()),
     ("emitters", size_of::<PackedEmitter>()),
+    ("uvs", size_of::<PackedUvs>()),
+    ("textures", size_of::<PackedTexture>()),
+    ("texels", HEAP_WORD as usize),
 ];
 
 impl HeapCounts {
     /// Of sections that are so many bytes long, by name.
     pub fn of_bytes(bytes: impl Fn(&str) -> usize) -> Self {
-        let [nodes, triangles, normals, materials, emitters] =
+        let [nodes, triangles, normals, materials, emitters, uvs, textures, texels] =
             SECTIONS.map(|(name, each)| bytes(name) / each);
-        Self { nodes, triangles, normals, materials, emitters, lists: 1 }
+        Self { nodes, triangles, normals, materials, emitters, uvs, textures, texels, lists: 1 }
     }
 
     /// Of a scene with so many lists of emitters.
@@ -78,6 +87,9 @@ impl HeapCounts {
             normals: scene.shading_normals.len(),
             materials: scene.materials.len(),
             emitters: scene.emitters.len(),
+            uvs: scene.textures.uvs.len(),
+            textures: scene.textures.records.len(),
+            texels: scene.textures.texels.len(),
             lists,
         }
     }
@@ -109,9 +121,9 @@ impl HeapLayout {
             normals: section(counts.normals, size_of::<PackedNormals>()),
             materials: section(counts.materials, size_of::<PackedMaterial>()),
             emitters: section(counts.emitters * counts.lists, size_of::<PackedEmitter>()),
-            pad0: 0,
-            pad1: 0,
-            pad2: 0,
+            uvs: section(counts.uvs, size_of::<PackedUvs>()),
+            textures: section(counts.textures, size_of::<PackedTexture>()),
+            texels: section(counts.texels, HEAP_WORD as usize),
         };
         let list = counts.emitters as u64 * size_of::<PackedEmitter>() as u64 / HEAP_WORD;
         Self { first, list, words }
@@ -141,10 +153,13 @@ impl HeapLayout {
     ) -> impl Iterator<Item = (u32, Cow<'a, [u8]>)> {
         /// Triangles whose normals are encoded together.
         const AT_ONCE: usize = 1 << 16;
-        let SceneInfo { nodes, triangles, normals, .. } = self.first;
+        let SceneInfo { nodes, triangles, normals, uvs, textures, texels, .. } = self.first;
         let plain = [
             (nodes, Cow::Borrowed(bytemuck::cast_slice(scene.bvh.nodes()))),
             (triangles, Cow::Borrowed(bytemuck::cast_slice(&scene.triangles))),
+            (uvs, Cow::Borrowed(bytemuck::cast_slice(&scene.textures.uvs))),
+            (textures, Cow::Borrowed(bytemuck::cast_slice(&scene.textures.records))),
+            (texels, Cow::Borrowed(bytemuck::cast_slice(&scene.textures.texels))),
         ];
         let in_bands = self.in_bands(scene, lists).map(|(first, bytes)| (first, Cow::Borrowed(bytes)));
         let normals = scene.shading_normals.chunks(AT_ONCE).enumerate().map(move |(i, some)| {
@@ -178,10 +193,16 @@ pub fn pack_normals(normals: [Vec3; 3]) -> PackedNormals {
     [a, b, c, 0]
 }
 
-/// WGSL functions that read a record of the scene: `triangle_at(index)`, `material_at(index)`, `emitter_at(index)`. They ask
+/// WGSL functions that read a record of the scene: `triangle_at(index)`, `material_at(index)`, `emitter_at(index)`, `texture_at(index)`. They ask
 /// `triangle_word(at)` and so on for the words, counted from the beginning of the section.
 pub fn readers() -> String {
-    [reader::<PackedTriangle>(), reader::<PackedMaterial>(), reader::<PackedEmitter>()].concat()
+    let readers = [
+        reader::<PackedTriangle>(),
+        reader::<PackedMaterial>(),
+        reader::<PackedEmitter>(),
+        reader::<PackedTexture>(),
+    ];
+    readers.concat()
 }
 
 fn reader<T: GpuStruct>() -> String {

@@ -103,7 +103,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Where a camera path met its first diffuse surface; 48 bytes, one for each pixel.
+    /// Where a camera path met its first diffuse surface; 64 bytes, one for each pixel.
     pub struct GatherPoint {
         /// Position, lifted off the surface toward the eye \[E27\]: where rays from it start.
         pub position: Vec3,
@@ -122,8 +122,12 @@ gpu_struct! {
         pub wo: u32,
         /// How many trees look for emission besides the eye path \[E25\]; stays from pass to pass.
         pub glint_level: u32,
+        /// Diffuse reflectance where a texture makes it, half floats: the first two bands …
+        pub albedo_low: u32,
+        /// … and the next.
+        pub albedo_high: u32,
     }
-    words 4 + BANDS + 5
+    words 4 + BANDS + 7
 }
 
 gpu_struct! {

@@ -26,6 +26,7 @@ pub mod layout;
 mod spectra;
 mod surfaces;
 mod targets;
+mod textures;
 mod visible_cells;
 #[doc(hidden)]
 pub mod wgsl;
@@ -39,10 +40,12 @@ pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use heap::{HEAP_WORD, HeapCounts, HeapLayout, PackedNormals, SceneInfo};
 pub use spectra::{PassBands, Spectra};
 pub use surfaces::{
-    CLEAR, LAMP, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, first_corner,
+    CLEAR, CUT, LAMP, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, TEXTURED,
+    first_corner,
 };
 pub(crate) use surfaces::{rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
+pub use textures::{PackedTexture, PackedUvs, TextureFlags, Textures};
 pub use visible_cells::{VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, VisibleCells};
 
 use crate::error::{Error, Result};
@@ -60,14 +63,15 @@ const BYTES_PER_TRIANGLE: u64 = 362;
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(scene: &Scene) -> Result<()> {
-    check_left(scene.mesh.triangles.len() as u64, crate::host::memory::allowed())
+    let need = scene.mesh.triangles.len() as u64 * BYTES_PER_TRIANGLE;
+    check_left(need.saturating_add(textures::bytes_of(scene)), crate::host::memory::allowed())
 }
 
-fn check_left(triangles: u64, left: Option<u64>) -> Result<()> {
-    let need = triangles.saturating_mul(BYTES_PER_TRIANGLE);
+fn check_left(need: u64, left: Option<u64>) -> Result<()> {
     match left {
         Some(limit) if need > limit => {
-            let remedy = "use fewer triangles, free memory or allow more (--memory)".to_string();
+            let remedy =
+                "use fewer triangles or smaller textures, free memory or allow more (--memory)".to_string();
             Err(Error::Capacity { buffer: "the scene", need, limit, remedy })
         }
         _ => Ok(()),
@@ -94,6 +98,8 @@ pub struct PackedScene {
     pub triangles: Arc<Vec<PackedTriangle>>,
     /// Unit shading normals at the vertices, one entry a triangle; empty where every triangle is flat.
     pub shading_normals: Arc<Vec<[Vec3; 3]>>,
+    /// Textures of the materials.
+    pub textures: Arc<Textures>,
     /// Materials, indexed by [`PackedTriangle::material`].
     pub materials: Vec<PackedMaterial>,
     /// Everything that emits, with cumulative probabilities proportional to flux.
@@ -166,8 +172,10 @@ impl PackedScene {
         let corners: Vec<[Vec3; 3]> = kept.iter().map(|&i| vertices[i as usize]).collect();
         let (bvh, order) = Bvh::build(&corners);
         let order: Vec<u32> = order.into_iter().map(|i| kept[i as usize]).collect();
-        let materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
+        let mut materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &turned, &order);
+        let first = |i: u32| first_corner(vertices[i as usize]);
+        let textures = Textures::pack(scene, &mut materials, &turned, &order, first);
         let internal_bounds = [to_internal(lo), to_internal(hi)];
         let (emitters, sources) =
             emitters::pack(scene, &mut triangles, world_scale, internal, internal_bounds);
@@ -191,6 +199,7 @@ impl PackedScene {
             bvh: Arc::new(bvh),
             triangles: Arc::new(triangles),
             shading_normals: Arc::new(shading_normals),
+            textures: Arc::new(textures),
             materials,
             emitters,
             total_flux,
@@ -204,10 +213,11 @@ impl PackedScene {
         (packed, order)
     }
 
-    /// Bytes of triangles, lights and hierarchy.
+    /// Bytes of triangles, textures, lights and hierarchy.
     pub fn bytes(&self) -> u64 {
         let bytes = size_of_val(&self.triangles[..])
             + size_of_val(&self.shading_normals[..])
+            + self.textures.bytes()
             + size_of_val(&self.emitters[..])
             + size_of_val(self.bvh.nodes());
         bytes as u64
@@ -235,8 +245,8 @@ mod tests {
     #[test]
     fn memory_for_packing_is_kept() {
         let left = 1000 * BYTES_PER_TRIANGLE;
-        assert!(check_left(1000, Some(left)).is_ok() && check_left(u64::MAX, None).is_ok());
-        let e = check_left(1001, Some(left)).expect_err("refused").to_string();
+        assert!(check_left(left, Some(left)).is_ok() && check_left(u64::MAX, None).is_ok());
+        let e = check_left(left + BYTES_PER_TRIANGLE, Some(left)).expect_err("refused").to_string();
         assert!(e.contains(&(left + BYTES_PER_TRIANGLE).to_string()) && e.contains(&left.to_string()), "{e}");
     }
 }

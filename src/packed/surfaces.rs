@@ -17,6 +17,10 @@ pub const SMOOTH: u32 = 1;
 pub const CLEAR: u32 = 2;
 /// Bit of [`PackedTriangle::flags`]: the front emits.
 pub const LAMP: u32 = 4;
+/// Bit of [`PackedTriangle::flags`]: a texture lies on it.
+pub const TEXTURED: u32 = 8;
+/// Bit of [`PackedTriangle::flags`]: some of it is not there \[E38\].
+pub const CUT: u32 = 16;
 
 /// Ranks of faces in one place ([`Face::rank`]): opaque before clear, since glass that touches an opaque face is in optical
 /// contact with it; of opaque faces those that look toward the ray, lamps first; of clear ones the way out before the way in.
@@ -37,7 +41,7 @@ gpu_struct! {
         pub material: u32,
         /// Second vertex minus first.
         pub e1: Vec3,
-        /// Bits: [`SMOOTH`], [`CLEAR`], [`LAMP`].
+        /// Bits: [`SMOOTH`], [`CLEAR`], [`LAMP`], [`TEXTURED`], [`CUT`].
         pub flags: u32,
         /// Third vertex minus first.
         pub e2: Vec3,
@@ -164,8 +168,8 @@ gpu_struct! {
         pub specular_exponent: f32,
         /// Radiance emitted from the front, W/(m² sr).
         pub emission: Bands,
-        /// Padding.
-        pub pad0: u32,
+        /// Numbers of its textures, from 1; 0 where there is none: that of `diffuse` in the low 16 bits, of its opacity above.
+        pub textures: u32,
         /// `ior` in each band, where it differs between them.
         pub iors: Bands,
     }
@@ -198,10 +202,15 @@ impl PackedMaterial {
             transmission: d.map_or(BLACK, |d| d.transmission_tint),
             specular_exponent: if followed && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
-            pad0: 0,
+            textures: 0,
             iors: [d.map_or(1.0, |d| d.ior); BANDS],
             pad: Default::default(),
         }
+    }
+
+    /// Texture of `diffuse`, counted from 1.
+    pub(crate) fn colour_texture(&self) -> Option<u32> {
+        Some(self.textures & 0xffff).filter(|number| *number > 0)
     }
 
     /// True for a lobe of finite width that is followed as a mirror is.
@@ -240,6 +249,11 @@ pub fn first_corner(vertices: [Vec3; 3]) -> usize {
     if SLIVER * product(best) < product(0) { best } else { 0 }
 }
 
+/// Index in the scene of corner `k` of a packed triangle, which starts from corner `first` of what may have been turned.
+pub(super) fn corner_of(is_turned: bool, first: usize, k: usize) -> usize {
+    corner(is_turned, (first + k) % 3)
+}
+
 /// Indices of the triangles without copies: same corners in the same turn. One of them is what a ray meets; the others
 /// would only shine once more and make the hierarchy deep. What shines is kept before what does not, what is opaque before
 /// glass (flush with an opaque face, glass is in optical contact), and the first of the file before the others.
@@ -269,7 +283,11 @@ pub(crate) fn without_copies(scene: &Scene, vertices: &[[Vec3; 3]]) -> Vec<u32> 
 fn flags(is_smooth: bool, material: &Material) -> u32 {
     let bit = |on: bool, bit: u32| if on { bit } else { 0 };
     let is_clear = material.dielectric.is_some();
-    bit(is_smooth, SMOOTH) | bit(is_clear, CLEAR) | bit(!is_black(&material.emission), LAMP)
+    bit(is_smooth, SMOOTH)
+        | bit(is_clear, CLEAR)
+        | bit(!is_black(&material.emission), LAMP)
+        | bit(material.diffuse_texture.is_some(), TEXTURED)
+        | bit(material.opacity.is_some(), CUT)
 }
 
 /// Triangles in leaf order with their shading normals (empty where all are flat). Emitters are not yet numbered:
@@ -303,7 +321,7 @@ pub(super) fn pack(
                     // they are of the front, which is the other one where a triangle is turned
                     let is_turned = turned[i as usize];
                     let sign = if is_turned { -1.0 } else { 1.0 };
-                    [0, 1, 2].map(|k| sign * scene.mesh.normals[n[corner(is_turned, from_first(k))] as usize])
+                    [0, 1, 2].map(|k| sign * scene.mesh.normals[n[corner_of(is_turned, first, k)] as usize])
                 }
                 None => [packed.normal(); 3],
             });

@@ -3,7 +3,9 @@
 use crate::packed::constants::*;
 use crate::packed::gpu_struct::{ALIASES, GpuStruct};
 use crate::packed::layout::*;
-use crate::packed::{CameraInfo, PackedEmitter, PackedMaterial, PackedTriangle, SceneInfo, Target};
+use crate::packed::{
+    CameraInfo, PackedEmitter, PackedMaterial, PackedTexture, PackedTriangle, SceneInfo, Target,
+};
 use crate::sampling::distributions::{CIRCLE_COSINE, CIRCLE_SINE};
 
 /// Every struct and constant that kernels may use, as WGSL.
@@ -26,6 +28,7 @@ pub fn declarations() -> String {
         PackedTriangle::WGSL,
         PackedMaterial::WGSL,
         PackedEmitter::WGSL,
+        PackedTexture::WGSL,
         Target::WGSL,
         SceneInfo::WGSL,
     ] {
@@ -38,8 +41,8 @@ pub fn declarations() -> String {
 fn constants() -> String {
     use crate::packed::accel::{EDGE_ROUNDING, EDGE_SLACK, EDGE_SLACK_MAX, END_ROUNDING, ONE_PLACE};
     use crate::packed::{
-        CLEAR, EmitterKind, FAR, LAMP, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, VISIBLE_CELL_FACTORS,
-        VISIBLE_CELL_WORDS, WARP_BINS, WARP_WORDS, rank,
+        CLEAR, CUT, EmitterKind, FAR, LAMP, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, TEXTURED,
+        TextureFlags, VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, WARP_BINS, WARP_WORDS, rank,
     };
     use std::fmt::Write;
     let mut s = String::new();
@@ -52,13 +55,16 @@ fn constants() -> String {
     }
     let mut u =
         |name: &str, value: u32| writeln!(s, "const {name}: u32 = {value}u;").expect("writing to a string");
-    for (name, value) in MaterialFlags::NAMED.into_iter().chain(EmitterKind::NAMED) {
+    for (name, value) in MaterialFlags::NAMED.into_iter().chain(EmitterKind::NAMED).chain(TextureFlags::NAMED)
+    {
         u(name, value);
     }
     u("NO_EMITTER", NO_EMITTER);
     u("SMOOTH", SMOOTH);
     u("CLEAR", CLEAR);
     u("LAMP", LAMP);
+    u("TEXTURED", TEXTURED);
+    u("CUT", CUT);
     u("RANK_CLEAR_FRONT", rank::CLEAR_FRONT);
     u("RANK_CLEAR_BACK", rank::CLEAR_BACK);
     u("RANK_BACK", rank::BACK);

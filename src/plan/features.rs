@@ -14,6 +14,8 @@ pub struct Features {
     pub specular: bool,
     /// Some surface is a dielectric.
     pub dielectric: bool,
+    /// Some surface has a texture.
+    pub textures: bool,
     /// What the bands are differs from pass to pass.
     pub wavelengths: bool,
     /// Some dielectric's index differs between the bands.
@@ -43,6 +45,7 @@ impl Features {
                 Part::Refraction,
                 Reason::NoDielectric,
             ),
+            textures: needs(!scene.textures.records.is_empty(), Part::Textures, Reason::NoTexture),
             wavelengths: scene.spectra.is_some(),
             dispersion: needs(
                 scene.spectra.as_ref().is_some_and(|spectra| spectra.disperses()),
@@ -62,11 +65,12 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 9] {
+    pub fn named(&self) -> [(&'static str, bool); 10] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
             ("HAS_DIELECTRIC", self.dielectric),
+            ("HAS_TEXTURES", self.textures),
             ("HAS_WAVELENGTHS", self.wavelengths),
             ("HAS_DISPERSION", self.dispersion),
             ("HAS_GLOSSY", self.glossy),

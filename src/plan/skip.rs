@@ -20,6 +20,8 @@ pub enum Part {
     Mirrors,
     /// Code for refraction.
     Refraction,
+    /// Code for textures.
+    Textures,
     /// Code for bands that part where the index of refraction differs between them.
     Dispersion,
     /// Code for glossy lobes.
@@ -74,6 +76,8 @@ pub enum Reason {
     NoDielectric,
     /// No index of refraction depends on the wavelength, or no wavelengths are rendered.
     NothingDisperses,
+    /// No surface has a texture.
+    NoTexture,
     /// No surface is glossy.
     NoGlossySurface,
     /// No triangle has shading normals.
@@ -113,7 +117,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 20] = [
+    pub const ALL: [Part; 21] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -121,6 +125,7 @@ impl Part {
         Part::DiffuseMap,
         Part::Mirrors,
         Part::Refraction,
+        Part::Textures,
         Part::Dispersion,
         Part::GlossyLobes,
         Part::ShadingNormals,
@@ -146,6 +151,7 @@ impl Part {
             Part::DiffuseMap => "diffuse-map",
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
+            Part::Textures => "textures",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy-lobes",
             Part::ShadingNormals => "shading-normals",
@@ -172,6 +178,7 @@ impl Part {
             Part::DiffuseMap => "diffuse map",
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
+            Part::Textures => "textures",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy lobes",
             Part::ShadingNormals => "shading normals",
@@ -220,6 +227,7 @@ impl Reason {
             Reason::NoMirror => "no surface mirrors",
             Reason::NoDielectric => "no surface refracts",
             Reason::NothingDisperses => "no surface bends one wavelength more than another",
+            Reason::NoTexture => "no surface has a texture",
             Reason::NoGlossySurface => "no surface is glossy",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
@@ -256,6 +264,7 @@ impl Reason {
             Reason::NoMirror => "a mirror",
             Reason::NoDielectric => "a dielectric",
             Reason::NothingDisperses => "a named glass, or an Abbe number",
+            Reason::NoTexture => "a texture, or an opacity",
             Reason::NoGlossySurface => "a glossy surface",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",

@@ -44,7 +44,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
     while let Some(branch) = next.take().or_else(|| later.pop()) {
         let Some(s) = SurfaceInteraction::hit(scene, &branch.ray) else { continue };
         let length = branch.length + s.distance;
-        let bsdf = Bsdf::at(&s);
+        let bsdf = Bsdf::seen(scene, &s, length);
         let shares = bsdf.shares(&branch.throughput);
         let ways: [f32; 1 + DELTA_MOST] =
             std::array::from_fn(|way| if way == 0 { shares.scatter } else { shares.delta[way - 1] });
@@ -75,6 +75,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
                 weight,
                 share: branch.part * ways[0] / followed,
                 is_through: branch.event > 0,
+                is_textured: s.material.colour_texture().is_some(),
             });
         }
         if branch.event + 1 == CHAIN {

@@ -42,6 +42,8 @@ pub(super) struct Patch {
     pub(super) share: f32,
     /// Seen through mirrors or glass.
     pub(super) is_through: bool,
+    /// Its albedo varies over it.
+    pub(super) is_textured: bool,
 }
 
 impl Place {

@@ -15,6 +15,8 @@ use std::ops::Range;
 const LOOKS: u32 = 32;
 /// … and where these are seen through mirrors and glass, each look splits.
 const LOOKS_THROUGH: u32 = 6;
+/// Looks at a pixel that shows one surface with a texture: its passes see all of the pixel, and its albedo is their mean.
+const LOOKS_TEXTURED: u32 = 8;
 /// What rises at less than this sine over a surface is taken for the surface itself.
 const RISE: f32 = 0.15;
 /// Pixels away at which one looks what rises there.
@@ -108,7 +110,9 @@ impl Surfaces {
         };
         let alone = around(pixel, self.size).all(|i| is_like(&self.middles[i]));
         let is_through = mine.iter().any(|patch| patch.is_through);
+        let is_textured = mine.iter().any(|patch| patch.is_textured);
         let looks = match (alone, is_through) {
+            (true, _) if is_textured => LOOKS_TEXTURED,
             (true, _) => 1,
             (_, true) => LOOKS_THROUGH,
             _ => LOOKS,

@@ -15,7 +15,7 @@ const SEEDS: u32 = 8;
 fn flat(pixel: u32, height: f32, weight: f32, share: f32) -> Patch {
     let position = Vec3::new((pixel % SIZE[0]) as f32, (pixel / SIZE[0]) as f32, height);
     let place = Place { position, normal: Vec3::Z, footprint: 1.0, kind: 0, clearance: 5.0 };
-    Patch { place, weight: [weight * share; BANDS], share, is_through: false }
+    Patch { place, weight: [weight * share; BANDS], share, is_through: false, is_textured: false }
 }
 
 /// What two halves of a pass each find of a truth, with white noise of this standard deviation, and what sharing makes of it.

@@ -80,6 +80,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
     let files = std::iter::once(path.to_owned()).chain(read).chain(pictures).collect();
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
+    validate::textures(path, &materials)?;
     validate::light(path, &mesh, &materials, &description.lights)?;
     let size = description.size;
     let camera = match &description.camera {
@@ -108,6 +109,7 @@ fn load_obj(path: &Path) -> Result<Scene> {
     let files = file.files.into_iter().chain(assembly.pictures().to_vec()).collect();
     let (mesh, materials) = assembly.finish(&mut warnings);
     validate::surfaces(path, &mesh)?;
+    validate::textures(path, &materials)?;
     let size = DEFAULT_SIZE;
     let camera = frame::frame(&mesh, &materials, &[], size);
     let mut lights = Vec::new();

@@ -15,6 +15,19 @@ pub(crate) fn surfaces(path: &Path, mesh: &Mesh) -> Result<()> {
     Ok(())
 }
 
+/// Most materials with textures: the numbers of their textures have 16 bits, and each may have two.
+const TEXTURED_MOST: usize = (1 << 15) - 1;
+
+/// Textures can be told apart.
+pub(crate) fn textures(path: &Path, materials: &[Material]) -> Result<()> {
+    let textured = materials.iter().filter(|m| m.has_texture() || m.opacity.is_some()).count();
+    if textured > TEXTURED_MOST {
+        let what = format!("{textured} materials have textures or opacities");
+        return Err(Error::scene(path, None, what, format!("give at most {TEXTURED_MOST}")));
+    }
+    Ok(())
+}
+
 /// Something shines.
 pub(crate) fn light(path: &Path, mesh: &Mesh, materials: &[Material], lights: &[Light]) -> Result<()> {
     if lights.is_empty() && !any_emission(mesh, materials) {

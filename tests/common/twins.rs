@@ -3,6 +3,7 @@
 use super::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
 use joton::plan::{Part, Reason};
+use joton::scene::texture::{Bitmap, Filter, Space, Texture};
 use joton::scene::{Light, Material, MaterialSpectra, Scene};
 use joton::spectrum::glass::Index;
 use std::path::Path;
@@ -76,6 +77,17 @@ pub fn file(name: &str, size: u32) -> Scene {
 /// The scene with other materials.
 fn changed(mut scene: Scene, change: impl Fn(&mut Material)) -> Scene {
     scene.materials.iter_mut().for_each(change);
+    scene
+}
+
+/// The scene with a board of two colours on everything matte, along x and along y and z.
+pub fn with_board(mut scene: Scene) -> Scene {
+    let bitmap = Arc::new(Bitmap::board([[0.9, 0.7, 0.5], [0.2, 0.3, 0.4]]));
+    let board = Texture { filter: Filter::Nearest, scale: [5.0; 2], ..Texture::of(bitmap, Space::Linear) };
+    scene.materials.iter_mut().for_each(|m| m.diffuse_texture = Some(board.clone()));
+    let along = |p: &DVec3| [p.x as f32, (p.y + p.z) as f32];
+    scene.mesh.uvs = scene.mesh.positions.iter().map(along).collect();
+    scene.mesh.triangles.iter_mut().for_each(|t| t.uv = Some(t.vertex));
     scene
 }
 
@@ -306,6 +318,12 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NoDielectric,
             mirror_ball(),
             case("white plate, glass ball", plate_with_ball(white(), glass(1.5), size)),
+        ),
+        twins(
+            Part::Textures,
+            Reason::NoTexture,
+            cornell(),
+            case("cornell with a board", with_board(file("cornell", size))),
         ),
         twins(
             Part::Dispersion,

@@ -15,3 +15,4 @@ mod paths;
 mod rng;
 mod sampling;
 mod scatter;
+mod texture;

@@ -93,6 +93,7 @@ fn deprived(mut plan: Plan, part: Part) -> Option<Plan> {
         Part::DiffuseMap => &mut layers[Layer::Diffuse as usize],
         Part::Mirrors => &mut features.specular,
         Part::Refraction => &mut features.dielectric,
+        Part::Textures => &mut features.textures,
         Part::Dispersion => &mut features.dispersion,
         Part::GlossyLobes => &mut features.glossy,
         Part::ShadingNormals => &mut features.smooth_normals,

@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 23] = [
+const REASONS: [Reason; 24] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -47,6 +47,7 @@ const REASONS: [Reason; 23] = [
     Reason::ExcludedByPaths,
     Reason::NoMirror,
     Reason::NoDielectric,
+    Reason::NoTexture,
     Reason::NothingDisperses,
     Reason::NoGlossySurface,
     Reason::AllFlat,

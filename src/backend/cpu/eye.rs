@@ -95,7 +95,7 @@ pub(super) fn follow<'a>(
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
-        let mut bsdf = Bsdf::at(&s);
+        let mut bsdf = Bsdf::seen(scene, &s, length);
         let shares = bsdf.shares(&throughput);
         if shares.kept() <= 0.0 {
             return path;

@@ -38,6 +38,8 @@ struct Way {
     splits: Splits,
     /// Events so far.
     events: u32,
+    /// From the eye, internal units.
+    length: f32,
 }
 
 /// Follow tree `number` of a pixel through specular events only, and weigh the emission met after so many. Nothing is
@@ -50,17 +52,18 @@ fn tree(
     weight: impl Fn(u32, &Splits) -> f32,
     tally: &mut Tally,
 ) -> TreeView {
-    let CameraRay { origin, direction, .. } = scene.sample_camera(pixel, number, seed, STREAM_GLINT_JITTER);
+    let CameraRay { origin, direction, travelled: length } =
+        scene.sample_camera(pixel, number, seed, STREAM_GLINT_JITTER);
     let (seed, number) = (seed_at(seed, (number >> 32) as u32), number as u32);
     let ray = Ray::new(origin, direction);
-    let mut waiting =
-        [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0 }; WAITING_MAX as usize];
+    let mut waiting = [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0, length };
+        WAITING_MAX as usize];
     let mut count = 1;
     let mut seen = TreeView { emission: BLACK, direct: false, branched: false };
     let mut node = 0;
     while count > 0 {
         count -= 1;
-        let Way { mut ray, mut throughput, mut splits, mut events } = waiting[count];
+        let Way { mut ray, mut throughput, mut splits, mut events, mut length } = waiting[count];
         loop {
             tally.rays += 1;
             let sees = |le: &Bands| scale(&mul(&throughput, le), weight(events, &splits));
@@ -68,11 +71,12 @@ fn tree(
                 seen.emission = add(&seen.emission, &sees(&on_miss(ray.direction)));
                 break;
             };
+            length += s.distance;
             if let Some(le) = le(&s) {
                 seen.emission = add(&seen.emission, &sees(le));
                 seen.direct = events == 0;
             }
-            let mut bsdf = Bsdf::at(&s);
+            let mut bsdf = Bsdf::seen(scene, &s, length);
             let shares = bsdf.shares(&throughput);
             if shares.followed() <= 0.0 {
                 break;
@@ -94,6 +98,7 @@ fn tree(
                         throughput: bsdf.through_delta(1 - lesser, &throughput),
                         splits: splits.after(&shares, 1 - lesser),
                         events: events + 1,
+                        length,
                     };
                     count += 1;
                 }

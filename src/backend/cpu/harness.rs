@@ -10,6 +10,7 @@ use crate::optics::lights::pick;
 use crate::optics::lights::samples::Start;
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::frame::Frame;
+use crate::optics::shading::texture;
 use crate::packed::{Guide, PackedEmitter, PackedMaterial, PackedScene, Target};
 use crate::plan::Plan;
 use crate::sampling::rng::sequence2;
@@ -88,6 +89,11 @@ pub fn camera_direction(scene: &PackedScene, seed: u32, pixel: u32, pass: u32) -
 pub fn mirror_lobe(material: &PackedMaterial, back: Vec3, normal: Vec3, u: [f32; 2]) -> Option<Vec3> {
     let frame = Frame { back, ng: normal, ns: normal, front: true };
     Bsdf::new(material, frame).sample_delta(0, u)
+}
+
+/// What a texture of a scene, counted from 1, shows at texture coordinates to who sees so much of these at once.
+pub fn texture_lookup(scene: &PackedScene, number: u32, uv: [f32; 2], width: f32) -> [f32; 4] {
+    texture::lookup(&scene.textures, number, uv, width)
 }
 
 /// What the disc of the caustic map about a place on a triangle holds \[E31\]: its radius, the area of the surface in it, and walls as

@@ -78,10 +78,13 @@ impl<'a> Harness<'a> {
         harness.scene("normals", &normals);
         harness.scene("materials", &scene.materials);
         harness.scene("emitters", &scene.emitters);
+        harness.scene("uvs", &scene.textures.uvs);
+        harness.scene("textures", &scene.textures.records);
+        harness.scene("texels", &scene.textures.texels);
         Ok(harness)
     }
 
-    /// Create (or replace) a section of the scene heap: nodes, triangles, normals, materials or emitters.
+    /// Create (or replace) a section of the scene heap: nodes, triangles, normals, materials, emitters, uvs, textures or texels.
     pub fn scene<T: Pod>(&mut self, section: &'static str, content: &[T]) {
         self.heap.insert(section, bytemuck::cast_slice(content).to_vec());
         let bytes_of = |name: &str| self.heap.get(name).map_or(&[][..], |bytes: &Vec<u8>| &bytes[..]);

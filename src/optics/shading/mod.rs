@@ -10,6 +10,7 @@ mod material;
 mod mirror;
 pub mod phong;
 pub(crate) mod roulette;
+pub(crate) mod texture;
 
 use crate::packed::PackedMaterial;
 use crate::spectrum::Bands;
