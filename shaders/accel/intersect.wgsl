@@ -1,6 +1,7 @@
 // Rays against the compressed wide BVH (Ylitie et al. 2017) and its triangles (Möller & Trumbore 1997).
 // import: scene/scene.wgsl
 // import: accel/crossing.wgsl
+// import: accel/cutout.wgsl
 // import: scene/features.wgsl
 // reads  scene        counts  steps: loop iterations of this invocation        tells  traversal_cut
 
@@ -147,7 +148,7 @@ fn trace_ray(
                 // where rounded distances do not tell, the end tells on which side of the plane it is
                 let is_near_end = abs(t - t_limit) < error;
                 let is_before = select((t < t_limit), (dot(v0 - end, cross(e1, e2)) * det > 0.0), is_near_end);
-                if is_inside && is_before {
+                if is_inside && is_before && !(HAS_CUTOUTS && goes_through(index, corners, vec2(u, v), origin, direction)) {
                     hit = Hit(index, t, u, v);
                 }
             } else if HAS_CONTACTS {
@@ -156,12 +157,14 @@ fn trace_ray(
                 let is_near = abs(t - hit.t) <= error + hit_error;
                 let near = origin + direction * hit.t;
                 let is_lower = index < hit.triangle;
-                if is_inside && select((t < hit.t), is_met_first(candidate, face, is_lower, near, direction), is_near) {
+                if is_inside && select((t < hit.t), is_met_first(candidate, face, is_lower, near, direction), is_near)
+                    && !(HAS_CUTOUTS && goes_through(index, corners, vec2(u, v), origin, direction)) {
                     hit = Hit(index, t, u, v);
                     hit_error = error;
                     face = candidate;
                 }
-            } else if is_inside && t < hit.t {
+            } else if is_inside && t < hit.t
+                && !(HAS_CUTOUTS && goes_through(index, corners, vec2(u, v), origin, direction)) {
                 hit = Hit(index, t, u, v);
             }
             steps += 1u;

@@ -9,6 +9,7 @@
 // import: scene/scene.wgsl
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
+// import: accel/cutout.wgsl
 // import: lights/emit.wgsl
 // import: paths/path_state.wgsl
 // import: paths/paths.wgsl
@@ -96,6 +97,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             let u = random4(pass_info.seed, map_info.pass_index, number, DIMENSION_UNSEEN + lane.status / LANE_EVENT).x;
             counts_as = select(0.0, f32(UNSEEN_STORED), u * f32(UNSEEN_STORED) < 1.0);
             tally.not_stored += select(0u, 1u, counts_as == 0.0);
+        }
+        if HAS_CUTOUTS && scatters && wanted {
+            // [E38] fewer jotons meet what is there in part, but discs have all of its area
+            counts_as /= max(opacity_of(b.material, s.texture.uv), OPACITY_LEAST);
         }
         if scatters && wanted && counts_as > 0.0 {
             if lane.stored < map_info.lane_capacity {

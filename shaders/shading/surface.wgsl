@@ -25,7 +25,7 @@ fn surface_at(hit: Hit) -> Surface {
     let lift = lift_of(front, abs(t.v0) + abs(t.e1) + abs(t.e2));
     let nowhere = TexturePlace(vec2(0.0), 0.0);
     var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift, nowhere);
-    if HAS_TEXTURES && (t.flags & TEXTURED) != 0u {
+    if (HAS_TEXTURES && (t.flags & TEXTURED) != 0u) || (HAS_CUTOUTS && (t.flags & CUT) != 0u) {
         s.texture = texture_place(hit.triangle, t, vec2(hit.u, hit.v));
     }
     if HAS_SMOOTH && (t.flags & SMOOTH) != 0u {

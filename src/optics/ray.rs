@@ -1,9 +1,13 @@
 //! Rays and what they meet: surfaces with both normals turned toward where the ray came from.
 
+use crate::optics::shading::cutout::stops;
 use crate::optics::shading::frame::Frame;
 use crate::optics::shading::texture::TexturePlace;
+use crate::packed::accel::Hit;
 use crate::packed::constants::{LIFT, LIFT_LEAST};
-use crate::packed::{MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH, TEXTURED, Textures};
+use crate::packed::{
+    CUT, MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH, TEXTURED, Textures,
+};
 use glam::Vec3;
 
 /// A ray; the direction is a unit vector.
@@ -50,13 +54,7 @@ pub(crate) struct SurfaceInteraction<'a> {
 impl<'a> SurfaceInteraction<'a> {
     /// What `ray` meets first.
     pub(crate) fn hit(scene: &'a PackedScene, ray: &Ray) -> Option<Self> {
-        let hit = scene.bvh.closest_from_within(
-            &scene.triangles,
-            ray.origin,
-            ray.direction,
-            f32::INFINITY,
-            ray.t_back,
-        )?;
+        let hit = nearest(scene, ray, f32::INFINITY)?;
         let triangle = &scene.triangles[hit.triangle as usize];
         let front_normal = triangle.normal();
         let front = ray.direction.dot(front_normal) < 0.0;
@@ -69,7 +67,7 @@ impl<'a> SurfaceInteraction<'a> {
         } else {
             ng
         };
-        let texture = if triangle.flags & TEXTURED != 0 {
+        let texture = if triangle.flags & (TEXTURED | CUT) != 0 {
             TexturePlace::on(triangle, &scene.textures.uvs[hit.triangle as usize], hit.u, hit.v)
         } else {
             TexturePlace::default()
@@ -126,7 +124,20 @@ pub(crate) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> V
 
 /// True where nothing stands between two points that are already lifted off their surfaces.
 pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
-    !scene.bvh.stands_between(&scene.triangles, from, to)
+    if !scene.textures.has_cutouts {
+        return !scene.bvh.stands_between(&scene.triangles, from, to);
+    }
+    !scene.bvh.stops_between(&scene.triangles, from, to, stops(scene, from, to - from))
+}
+
+/// Which triangle a ray meets first, nearer than this.
+pub(crate) fn nearest(scene: &PackedScene, ray: &Ray, t_max: f32) -> Option<Hit> {
+    let Ray { origin, direction, t_back } = *ray;
+    let (bvh, triangles) = (&scene.bvh, &scene.triangles[..]);
+    if !scene.textures.has_cutouts {
+        return bvh.closest_from_within(triangles, origin, direction, t_max, t_back, |_, _, _| true);
+    }
+    bvh.closest_from_within(triangles, origin, direction, t_max, t_back, stops(scene, origin, direction))
 }
 
 #[cfg(test)]

@@ -54,6 +54,8 @@ shared_constants! {
     pub const CHAIN_MAX: u32 = 63;
     /// … and whether the back of the triangle is seen.
     pub const BACK_SIDE: u32 = 1 << 30;
+    /// A joton that meets what is there in part counts for those that went through, but for no more than one over this.
+    pub const OPACITY_LEAST: f32 = 1.0 / 256.0;
     /// Width of what an eye path sees of a texture at once, in pixels: its passes lie all over the pixel, and blur what they see by one.
     pub const TEXTURE_PIXELS: f32 = 0.5;
     /// Words of 16 bytes of each section of a scene in uniform buffers: 64 KiB, WebGPU's least limit.

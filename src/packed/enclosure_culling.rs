@@ -163,11 +163,13 @@ impl Walls<'_> {
         (winding.abs() > 2.0 * PI).then_some([lo, hi])
     }
 
-    /// True where no light passes, and the triangle has three corners.
+    /// True where no light passes (nor through what is there in part), and the triangle has three corners.
     fn is_wall(&self, triangle: u32) -> bool {
         let material = self.scene.mesh.triangles[triangle as usize].material;
         let [a, b, c] = self.corners(triangle);
-        !self.packed.materials[material as usize].flags().is_dielectric() && a != b && b != c && c != a
+        let material = &self.packed.materials[material as usize];
+        let is_whole = !material.flags().is_dielectric() && material.opacity_texture().is_none();
+        is_whole && a != b && b != c && c != a
     }
 
     fn corners(&self, triangle: u32) -> [DVec3; 3] {

@@ -213,6 +213,11 @@ impl PackedMaterial {
         Some(self.textures & 0xffff).filter(|number| *number > 0)
     }
 
+    /// Texture of its opacity, counted from 1.
+    pub(crate) fn opacity_texture(&self) -> Option<u32> {
+        Some(self.textures >> 16).filter(|number| *number > 0)
+    }
+
     /// True for a lobe of finite width that is followed as a mirror is.
     pub fn has_narrow_lobe(&self) -> bool {
         self.specular_exponent > 0.0

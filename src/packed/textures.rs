@@ -93,6 +93,8 @@ pub struct Textures {
     pub texels: Vec<Word>,
     /// Of each triangle, leaf order; empty where there are no textures.
     pub uvs: Vec<PackedUvs>,
+    /// Some of some triangle is not there \[E38\].
+    pub has_cutouts: bool,
 }
 
 /// Most records: a material has two halves of a word to name its own.
@@ -124,7 +126,9 @@ impl Textures {
             let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(corner);
             [a, b, c, d, e, f, 0.0, 0.0]
         };
-        Self { records, texels, uvs: order.iter().map(uvs_of).collect() }
+        let material_of = |&i: &u32| scene.mesh.triangles[i as usize].material as usize;
+        let has_cutouts = order.iter().any(|i| scene.materials[material_of(i)].opacity.is_some());
+        Self { records, texels, uvs: order.iter().map(uvs_of).collect(), has_cutouts }
     }
 
     /// Bytes of all of it.

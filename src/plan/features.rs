@@ -3,7 +3,7 @@
 use super::Settings;
 use super::facts;
 use super::skip::{Part, Reason, Skips};
-use crate::packed::PackedScene;
+use crate::packed::{PackedScene, TEXTURED};
 
 /// What the kernels must be able to do for this scene; the rest is compiled out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +16,8 @@ pub struct Features {
     pub dielectric: bool,
     /// Some surface has a texture.
     pub textures: bool,
+    /// Some of some surface is not there.
+    pub cutouts: bool,
     /// What the bands are differs from pass to pass.
     pub wavelengths: bool,
     /// Some dielectric's index differs between the bands.
@@ -45,7 +47,12 @@ impl Features {
                 Part::Refraction,
                 Reason::NoDielectric,
             ),
-            textures: needs(!scene.textures.records.is_empty(), Part::Textures, Reason::NoTexture),
+            textures: needs(
+                scene.triangles.iter().any(|t| t.flags & TEXTURED != 0),
+                Part::Textures,
+                Reason::NoTexture,
+            ),
+            cutouts: needs(scene.textures.has_cutouts, Part::CutOuts, Reason::NothingCut),
             wavelengths: scene.spectra.is_some(),
             dispersion: needs(
                 scene.spectra.as_ref().is_some_and(|spectra| spectra.disperses()),
@@ -65,12 +72,13 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 10] {
+    pub fn named(&self) -> [(&'static str, bool); 11] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
             ("HAS_DIELECTRIC", self.dielectric),
             ("HAS_TEXTURES", self.textures),
+            ("HAS_CUTOUTS", self.cutouts),
             ("HAS_WAVELENGTHS", self.wavelengths),
             ("HAS_DISPERSION", self.dispersion),
             ("HAS_GLOSSY", self.glossy),

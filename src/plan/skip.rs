@@ -22,6 +22,8 @@ pub enum Part {
     Refraction,
     /// Code for textures.
     Textures,
+    /// Code for surfaces of which some is not there.
+    CutOuts,
     /// Code for bands that part where the index of refraction differs between them.
     Dispersion,
     /// Code for glossy lobes.
@@ -78,6 +80,8 @@ pub enum Reason {
     NothingDisperses,
     /// No surface has a texture.
     NoTexture,
+    /// All of every surface is there.
+    NothingCut,
     /// No surface is glossy.
     NoGlossySurface,
     /// No triangle has shading normals.
@@ -117,7 +121,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 21] = [
+    pub const ALL: [Part; 22] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -126,6 +130,7 @@ impl Part {
         Part::Mirrors,
         Part::Refraction,
         Part::Textures,
+        Part::CutOuts,
         Part::Dispersion,
         Part::GlossyLobes,
         Part::ShadingNormals,
@@ -152,6 +157,7 @@ impl Part {
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
             Part::Textures => "textures",
+            Part::CutOuts => "cut-outs",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy-lobes",
             Part::ShadingNormals => "shading-normals",
@@ -179,6 +185,7 @@ impl Part {
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
             Part::Textures => "textures",
+            Part::CutOuts => "cut-outs",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy lobes",
             Part::ShadingNormals => "shading normals",
@@ -228,6 +235,7 @@ impl Reason {
             Reason::NoDielectric => "no surface refracts",
             Reason::NothingDisperses => "no surface bends one wavelength more than another",
             Reason::NoTexture => "no surface has a texture",
+            Reason::NothingCut => "all of every surface is there",
             Reason::NoGlossySurface => "no surface is glossy",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
@@ -264,7 +272,8 @@ impl Reason {
             Reason::NoMirror => "a mirror",
             Reason::NoDielectric => "a dielectric",
             Reason::NothingDisperses => "a named glass, or an Abbe number",
-            Reason::NoTexture => "a texture, or an opacity",
+            Reason::NoTexture => "a texture",
+            Reason::NothingCut => "an opacity",
             Reason::NoGlossySurface => "a glossy surface",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",

@@ -3,7 +3,7 @@
 use super::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
 use joton::plan::{Part, Reason};
-use joton::scene::texture::{Bitmap, Filter, Space, Texture};
+use joton::scene::texture::{Bitmap, Filter, Opacity, Space, Texels, Texture};
 use joton::scene::{Light, Material, MaterialSpectra, Scene};
 use joton::spectrum::glass::Index;
 use std::path::Path;
@@ -88,6 +88,20 @@ pub fn with_board(mut scene: Scene) -> Scene {
     let along = |p: &DVec3| [p.x as f32, (p.y + p.z) as f32];
     scene.mesh.uvs = scene.mesh.positions.iter().map(along).collect();
     scene.mesh.triangles.iter_mut().for_each(|t| t.uv = Some(t.vertex));
+    scene
+}
+
+/// The scene with every second square of what is matte and dark not there, and a part of the rest.
+pub fn with_holes(scene: Scene) -> Scene {
+    let mut scene = with_board(scene);
+    let grid = [[255, 255, 255, 255], [255, 255, 255, 0], [255, 255, 255, 128], [255, 255, 255, 255]];
+    let bitmap = Arc::new(Bitmap { size: [2; 2], texels: Texels::Bytes(grid.to_vec()) });
+    let holes = Texture { filter: Filter::Nearest, scale: [7.0; 2], ..Texture::of(bitmap, Space::Linear) };
+    for m in &mut scene.materials {
+        m.diffuse_texture = None;
+        let opacity = Opacity { factor: 1.0, texture: Some(holes.clone()) };
+        m.opacity = (!m.emits()).then_some(opacity);
+    }
     scene
 }
 
@@ -324,6 +338,12 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NoTexture,
             cornell(),
             case("cornell with a board", with_board(file("cornell", size))),
+        ),
+        twins(
+            Part::CutOuts,
+            Reason::NothingCut,
+            cornell(),
+            case("cornell with holes", with_holes(file("cornell", size))),
         ),
         twins(
             Part::Dispersion,

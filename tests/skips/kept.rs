@@ -94,6 +94,7 @@ fn deprived(mut plan: Plan, part: Part) -> Option<Plan> {
         Part::Mirrors => &mut features.specular,
         Part::Refraction => &mut features.dielectric,
         Part::Textures => &mut features.textures,
+        Part::CutOuts => &mut features.cutouts,
         Part::Dispersion => &mut features.dispersion,
         Part::GlossyLobes => &mut features.glossy,
         Part::ShadingNormals => &mut features.smooth_normals,

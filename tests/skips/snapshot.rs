@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 24] = [
+const REASONS: [Reason; 25] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -48,6 +48,7 @@ const REASONS: [Reason; 24] = [
     Reason::NoMirror,
     Reason::NoDielectric,
     Reason::NoTexture,
+    Reason::NothingCut,
     Reason::NothingDisperses,
     Reason::NoGlossySurface,
     Reason::AllFlat,

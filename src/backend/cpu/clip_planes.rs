@@ -6,6 +6,7 @@ use super::eye::GatherPoint;
 use super::maps::AreaMap;
 use super::window::Window;
 use crate::film::neighbours::around;
+use crate::optics::ray::{Ray, nearest};
 use crate::packed::PackedScene;
 use crate::packed::constants::{CLIP_LIFT, CLIP_RAYS, CLIP_REACH, CLIP_SAME, CLIP_STEEP};
 use crate::sampling::distributions::{basis, unit_circle};
@@ -111,7 +112,7 @@ pub(super) fn find(scene: &PackedScene, area: Option<&AreaMap>, g: &GatherPoint,
     for i in 0..CLIP_RAYS {
         let [cos, sin] = unit_circle(i as f32 / CLIP_RAYS as f32);
         let direction = x * cos + y * sin;
-        let Some(hit) = scene.bvh.closest(&scene.triangles, origin, direction, radius * CLIP_REACH) else {
+        let Some(hit) = nearest(scene, &Ray::new(origin, direction), radius * CLIP_REACH) else {
             continue;
         };
         let triangle = &scene.triangles[hit.triangle as usize];

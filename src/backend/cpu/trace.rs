@@ -12,9 +12,10 @@ use crate::optics::lights::pick::{aimed, by_law};
 use crate::optics::lights::samples::Start;
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
+use crate::optics::shading::cutout;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
 use crate::packed::PackedScene;
-use crate::packed::constants::{ADJOINT_MAX, UNSEEN_STORED};
+use crate::packed::constants::{ADJOINT_MAX, OPACITY_LEAST, UNSEEN_STORED};
 use crate::plan::Plan;
 use crate::sampling::rng::{golden, random4, sequence_seed, sequence2};
 use crate::spectrum::{BANDS, Bands, max, mul, scale};
@@ -115,7 +116,9 @@ impl Tracer<'_> {
             let wi_ng = s.back.dot(s.ng);
             let adjoint_in = if s.smooth { limited(s.back.dot(s.ns).abs() / wi_ng) } else { 1.0 };
             if s.flags().has_diffuse() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
-                let counts_as = if CAUSTIC { 1.0 } else { self.counts_as(&s, i, event) };
+                // fewer jotons meet what is there in part, but discs have all of its area
+                let there = cutout::opacity(s.textures, s.material, s.texture.uv).max(OPACITY_LEAST);
+                let counts_as = if CAUSTIC { 1.0 } else { self.counts_as(&s, i, event) } / there;
                 if counts_as > 0.0 {
                     self.store(&s, &scale(&flux, adjoint_in * counts_as), paths.step(state, Event::D));
                 }

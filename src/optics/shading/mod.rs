@@ -3,6 +3,7 @@
 //! ones, and the line that makes it of a material. Twin: shaders/shading/lobes.wgsl.
 
 pub mod bsdf;
+pub(crate) mod cutout;
 mod dielectric;
 pub(crate) mod frame;
 mod lambert;

@@ -107,10 +107,11 @@ impl Bvh {
         direction: Vec3,
         t_max: f32,
     ) -> Option<Hit> {
-        self.closest_from_within(triangles, origin, direction, t_max, 0.0)
+        self.closest_from_within(triangles, origin, direction, t_max, 0.0, |_, _, _| true)
     }
 
-    /// The same for a ray out of a body, which starts a little inside of it: back faces nearer than `t_back` do not count.
+    /// The same for a ray out of a body, which starts a little inside of it: back faces nearer than `t_back` do not count, nor does what
+    /// does not stop it: it is asked for a triangle and the weights of its second and third vertex.
     pub(crate) fn closest_from_within<T: Face>(
         &self,
         triangles: &[T],
@@ -118,6 +119,7 @@ impl Bvh {
         direction: Vec3,
         t_max: f32,
         t_back: f32,
+        stops: impl Fn(u32, f32, f32) -> bool,
     ) -> Option<Hit> {
         let mut nearest: Option<(Hit, f32)> = None;
         let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
@@ -137,7 +139,7 @@ impl Bvh {
                     [id, best.triangle as usize].map(|i| Crossing::of(near, direction, &triangles[i]));
                 new.comes_before(&old).unwrap_or(hit.triangle < best.triangle)
             });
-            if !is_first {
+            if !is_first || !stops(id as u32, m.u, m.v) {
                 return f32::INFINITY;
             }
             nearest = Some((hit, m.t_error));
@@ -160,6 +162,18 @@ impl Bvh {
 
     /// True where some triangle lies between two points.
     pub fn stands_between<T: Face>(&self, triangles: &[T], from: Vec3, to: Vec3) -> bool {
+        self.stops_between(triangles, from, to, |_, _, _| true)
+    }
+
+    /// True where some triangle that stops a ray lies between two points: it is asked for a triangle and the weights of its second and
+    /// third vertex.
+    pub(crate) fn stops_between<T: Face>(
+        &self,
+        triangles: &[T],
+        from: Vec3,
+        to: Vec3,
+        stops: impl Fn(u32, f32, f32) -> bool,
+    ) -> bool {
         let direction = to - from;
         let (origin, along) = (Vec3A::from(from), Vec3A::from(direction));
         !self.wide.ray_traverse_miss(ray(from, direction, 1.0), |_, id| {
@@ -170,7 +184,7 @@ impl Bvh {
             } else {
                 Crossing::of(to, direction, &triangles[id]).t < 0.0
             };
-            if is_before { 0.0 } else { f32::INFINITY }
+            if is_before && stops(id as u32, m.u, m.v) { 0.0 } else { f32::INFINITY }
         })
     }
 
