@@ -75,3 +75,48 @@ for name, kelvin in [("D50", 5000), ("D65", 6500)]:
 for name, theirs in LAMPS:
     first, values = inside(illuminants[theirs], 5)
     line(name, first, 5, values)
+
+
+def bases():
+    """Reflectances that are red, green and blue in daylight and add up to one: the smoothest from 0 to 1 at every 10 nm.
+
+    Of two of them the squares of second differences, and those of what they leave of one, are made least under the six
+    conditions on their colours, by the alternating direction method of multipliers.
+    """
+    import numpy as np
+
+    nm = np.arange(FIRST, LAST + 1)
+    published = daylight(6500, illuminants["D65"])
+    lit = np.interp(nm, published.wavelengths, published.values)
+    cmf = np.array([np.interp(nm, observer.wavelengths, column) for column in observer.values.T])
+    primaries = np.array([[x / y, 1, (1 - x - y) / y] for x, y in [(0.64, 0.33), (0.30, 0.60), (0.15, 0.06)]]).T
+    white = cmf @ lit / (cmf[1] @ lit)
+    to_rgb = np.linalg.inv(primaries * np.linalg.solve(primaries, white))
+    knots = np.arange(FIRST, LAST + 1, 10)
+    n = len(knots)
+    hats = np.array([np.interp(nm, knots, row) for row in np.eye(n)])
+    colours = to_rgb @ (cmf * lit) / (cmf[1] @ lit) @ hats.T
+    second = np.diff(np.eye(n), 2, axis=0)
+    rough = second.T @ second
+    roughness = np.block([[2 * rough, rough], [rough, 2 * rough]])
+    zero = np.zeros_like(colours)
+    conditions, wanted = np.block([[colours, zero], [zero, colours]]), np.array([1, 0, 0, 0, 1, 0])
+    kept = np.vstack([np.eye(2 * n), np.hstack([np.eye(n), np.eye(n)])])
+    weight = 1e-2
+    system = np.block([[roughness + weight * kept.T @ kept, conditions.T], [conditions, np.zeros((6, 6))]])
+    inverse = np.linalg.inv(system)
+    within, dual = np.full(3 * n, 0.4), np.zeros(3 * n)
+    for _ in range(200_000):
+        found = (inverse @ np.concatenate([weight * kept.T @ (within - dual), wanted]))[: 2 * n]
+        next_within = np.clip(kept @ found + dual, 0, 1)
+        dual += kept @ found - next_within
+        done = max(abs(kept @ found - next_within).max(), abs(within - next_within).max()) < 1e-9
+        within = next_within
+        if done:
+            break
+    red, green = found[:n], found[n:]
+    return [np.clip(basis, 0, 1) for basis in (red, green, 1 - red - green)]
+
+
+for name, basis in zip(["basis-r", "basis-g", "basis-b"], bases()):
+    line(name, FIRST, 10, [round(value, 9) + 0.0 for value in basis])

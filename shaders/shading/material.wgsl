@@ -2,7 +2,7 @@
 // import: scene/features.wgsl
 // import: scene/scene.wgsl
 // import: shading/texture.wgsl
-// reads  scene
+// reads  scene, pass_info
 
 // Low bits of a material's `textures`: the texture of its diffuse reflectance.
 const COLOUR_TEXTURE: u32 = 0xffffu;
@@ -11,11 +11,19 @@ fn is_textured(m: PackedMaterial) -> bool {
     return HAS_TEXTURES && (m.textures & COLOUR_TEXTURE) != 0u;
 }
 
+// What a texel reflects in the bands of this pass.
+fn texel_bands(texel: vec4<f32>) -> Bands {
+    if !HAS_WAVELENGTHS {
+        return bands_of_four(texel);
+    }
+    return bands_of_four(texel.x * pass_info.texel_red + texel.y * pass_info.texel_green + texel.z * pass_info.texel_blue);
+}
+
 // At texture coordinates, to who sees so much of these at once [E37].
 fn resolved_material(index: u32, uv: vec2<f32>, width: f32) -> PackedMaterial {
     var m = material_at(index);
     if is_textured(m) {
-        m.diffuse *= bands_of_four(texture_lookup((m.textures & COLOUR_TEXTURE) - 1u, uv, width));
+        m.diffuse *= texel_bands(texture_lookup((m.textures & COLOUR_TEXTURE) - 1u, uv, width));
     }
     return m;
 }

@@ -8,6 +8,7 @@ use crate::packed::constants::{LIFT, LIFT_LEAST};
 use crate::packed::{
     CUT, MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH, TEXTURED, Textures,
 };
+use crate::spectrum::Bands;
 use glam::Vec3;
 
 /// A ray; the direction is a unit vector.
@@ -49,6 +50,8 @@ pub(crate) struct SurfaceInteraction<'a> {
     pub(crate) texture: TexturePlace,
     /// Those of the scene.
     pub(crate) textures: &'a Textures,
+    /// What texels reflect in the bands; none where these are red, green and blue.
+    pub(crate) of_texel: Option<&'a [Bands; 3]>,
 }
 
 impl<'a> SurfaceInteraction<'a> {
@@ -84,6 +87,7 @@ impl<'a> SurfaceInteraction<'a> {
             material: &scene.materials[triangle.material as usize],
             texture,
             textures: &scene.textures,
+            of_texel: scene.of_texel.as_ref(),
         })
     }
 

@@ -48,6 +48,12 @@ gpu_struct! {
         pub green: Vec4,
         /// … and blue.
         pub blue: Vec4,
+        /// What a texel of red alone reflects in each band, likewise \[E37\] …
+        pub texel_red: Vec4,
+        /// … of green …
+        pub texel_green: Vec4,
+        /// … and of blue.
+        pub texel_blue: Vec4,
     }
 }
 

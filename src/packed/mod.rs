@@ -51,6 +51,7 @@ pub use visible_cells::{VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, VisibleCells};
 use crate::error::{Error, Result};
 use crate::packed::accel::Bvh;
 use crate::scene::{Scene, Triangle};
+use crate::spectrum::Bands;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use std::sync::Arc;
@@ -114,6 +115,8 @@ pub struct PackedScene {
     pub diffuse_area: f64,
     /// Some faces may lie in one place: which of them a ray meets is to be asked \[E27\].
     pub has_contacts: bool,
+    /// What a texel of red, green or blue alone reflects in the bands of a pass; none where these are red, green and blue.
+    pub of_texel: Option<[Bands; 3]>,
     /// The scene by wavelength, where it is rendered so; its bands are red, green and blue else.
     pub spectra: Option<Arc<Spectra>>,
     /// What the scene has beside this.
@@ -207,6 +210,7 @@ impl PackedScene {
             bounds: internal_bounds,
             diffuse_area,
             has_contacts,
+            of_texel: None,
             spectra,
             out_of_reach: OutOfReach::default(),
         };

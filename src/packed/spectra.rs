@@ -11,6 +11,7 @@ use crate::scene::{Light, Material, MaterialSpectra, Scene};
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
 use crate::spectrum::pick::{Pick, rgb_matrix};
+use crate::spectrum::texel::bases_at;
 use crate::spectrum::wavelengths::Distribution;
 use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black};
 
@@ -33,6 +34,8 @@ struct Curves {
     glossy: Spectrum,
     transmission: Spectrum,
     index: Option<Index>,
+    /// The most that a texture leaves of `diffuse`: 1 where there is none.
+    most: f32,
 }
 
 /// What the bands of a pass are.
@@ -42,6 +45,8 @@ pub struct PassBands {
     pub picks: [Pick; BANDS],
     /// Linear red, green and blue of the bands: rows.
     pub to_rgb: [Bands; 3],
+    /// What a texel of red, green or blue alone reflects in the bands \[E37\].
+    pub of_texel: [Bands; 3],
 }
 
 impl PassBands {
@@ -66,6 +71,7 @@ impl Curves {
             glossy: curve(packed.glossy, glossy),
             transmission: curve(packed.transmission, transmission),
             index,
+            most: m.diffuse_texture.as_ref().map_or(1.0, |t| t.most().into_iter().fold(0.0, f32::max)),
         }
     }
 
@@ -82,7 +88,7 @@ impl Curves {
         if !base.flags().is_dielectric() {
             // lobes that reflect no more than arrives as colours may do so at a wavelength
             for band in 0..BANDS {
-                let total = m.diffuse[band] + m.specular[band] + m.glossy[band];
+                let total = m.diffuse[band] * self.most + m.specular[band] + m.glossy[band];
                 for lobe in [&mut m.diffuse, &mut m.specular, &mut m.glossy] {
                     lobe[band] /= total.max(1.0);
                 }
@@ -140,7 +146,7 @@ impl Spectra {
     pub fn bands(&self, seed: u32, pass: u64) -> PassBands {
         let picks = self.distribution.of_pass(seed.into(), half(pass), place_in_half(pass));
         let to_rgb = rgb_matrix(&picks).map(|row| row.map(|x| x as f32));
-        PassBands { picks, to_rgb }
+        PassBands { picks, to_rgb, of_texel: bases_at(picks.map(|pick| pick.lambda)) }
     }
 
     /// What is emitted in the bands of a pass: by each material, then by each light.
@@ -178,6 +184,7 @@ impl Spectra {
         PackedScene {
             materials: self.materials(&base.materials, bands, emitted),
             emitters: self.emitters(&base.emitters, emitted),
+            of_texel: Some(bands.of_texel),
             ..base.clone()
         }
     }

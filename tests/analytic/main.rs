@@ -22,3 +22,4 @@ mod lobes;
 mod partition;
 mod scale;
 mod spectral;
+mod textures;

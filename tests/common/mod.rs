@@ -178,7 +178,10 @@ pub fn random_direction(stream: u32, number: usize) -> glam::Vec3 {
 pub fn pass_info() -> PassInfo {
     // the bands are red, green and blue
     let [red, green, blue] = [glam::Vec4::X, glam::Vec4::Y, glam::Vec4::Z];
-    PassInfo { light_candidates: 1, red, green, blue, ..bytemuck::Zeroable::zeroed() }
+    let [texel_red, texel_green, texel_blue] = [red, green, blue];
+    let bands =
+        PassInfo { red, green, blue, texel_red, texel_green, texel_blue, ..bytemuck::Zeroable::zeroed() };
+    PassInfo { light_candidates: 1, ..bands }
 }
 
 /// A uniform of zeros but for what a test sets.

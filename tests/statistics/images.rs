@@ -89,6 +89,7 @@ fn device_and_host_agree_in_every_layer() {
     let others = [
         colours_part,
         ("textured cornell", with_board(cornell())),
+        ("textured cornell by wavelength", by_wavelength(with_board(cornell()))),
         ("cornell with holes", with_holes(cornell())),
     ];
     for (name, scene) in names.map(|name| (name, file(name, SIZE))).into_iter().chain(others) {

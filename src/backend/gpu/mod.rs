@@ -41,7 +41,7 @@ use crate::plan::map_layout::{MapLayout, MapLayouts};
 use crate::plan::strips::{Strip, Strips};
 use crate::plan::{InBands, Part, Plan};
 use crate::resolve::Resolver;
-use crate::spectrum::{BLACK, Bands};
+use crate::spectrum::{BLACK, Bands, from_rgb};
 use area_samples::AreaState;
 use batches::Begun;
 use films::four;
@@ -72,6 +72,8 @@ pub struct GpuBackend {
     shapes: MapLayouts,
     /// Linear red, green and blue of the bands of a pass: rows.
     to_rgb: [Bands; 3],
+    /// What a texel of red, green or blue alone reflects in them: columns.
+    of_texel: [Bands; 3],
     strips: Strips,
     kept: Vec<Kept>,
     /// Sums of a batch so far, where the image is in strips; none before the first strip.
@@ -121,6 +123,7 @@ impl GpuBackend {
             steps: None,
             shapes,
             to_rgb: [BLACK; 3],
+            of_texel: [from_rgb([1.0, 0.0, 0.0]), from_rgb([0.0, 1.0, 0.0]), from_rgb([0.0, 0.0, 1.0])],
             strips,
             kept: Vec::new(),
             strip_films: None,
@@ -192,6 +195,7 @@ impl GpuBackend {
     /// The uniform of a pass over a strip.
     fn pass_info(&self, pass: u32, strip: Strip) -> PassInfo {
         let [red, green, blue] = self.to_rgb.map(|row| four(&row).into());
+        let [texel_red, texel_green, texel_blue] = self.of_texel.map(|column| four(&column).into());
         PassInfo {
             camera: self.scene.camera_info(),
             width: self.scene.size[0],
@@ -213,6 +217,9 @@ impl GpuBackend {
             red,
             green,
             blue,
+            texel_red,
+            texel_green,
+            texel_blue,
         }
     }
 
@@ -259,6 +266,7 @@ impl GpuBackend {
         if let Some(in_bands) = InBands::of(&self.scene, &self.plan, pass) {
             scene_buffers::write_in_bands(&self.context, &self.buffers, &self.plan, &in_bands);
             self.to_rgb = in_bands.bands.to_rgb;
+            self.of_texel = in_bands.bands.of_texel;
         }
     }
 

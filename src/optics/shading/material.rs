@@ -5,7 +5,7 @@ use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::TEXTURE_PIXELS;
 use crate::packed::{PackedMaterial, PackedScene};
-use crate::spectrum::{from_rgb, mul};
+use crate::spectrum::{add, from_rgb, mul, scale};
 
 impl Bsdf {
     /// Where a ray met a surface, with textures as fine as they are.
@@ -25,7 +25,11 @@ impl Bsdf {
             Some(number) => {
                 let place = s.texture;
                 let [r, g, b, _] = texture::lookup(s.textures, number, place.uv, width * place.per_unit);
-                let diffuse = mul(&s.material.diffuse, &from_rgb([r, g, b]));
+                let reflected = match s.of_texel {
+                    None => from_rgb([r, g, b]),
+                    Some([red, green, blue]) => add(&add(&scale(red, r), &scale(green, g)), &scale(blue, b)),
+                };
+                let diffuse = mul(&s.material.diffuse, &reflected);
                 Self::new(&PackedMaterial { diffuse, ..*s.material }, s.frame())
             }
         }
