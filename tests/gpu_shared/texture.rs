@@ -181,7 +181,7 @@ fn lookups_are_those_of_the_formula() {
         // of each texture there is one record for its colour, and one for the opacity, which has a factor
         let (t, levels) = (&textures[number / 2], &all[number / 2]);
         let record = &packed.textures.records[number];
-        assert_eq!(record.opacity, if number % 2 == 0 { 1.0 } else { 0.5 });
+        assert_eq!(record.opacity, if number.is_multiple_of(2) { 1.0 } else { 0.5 });
         if t.filter == Filter::Nearest {
             // on an edge between texels rounding decides
             let near_edge = |uv: f32, k: usize| {

@@ -1,7 +1,7 @@
 //! Textures: what a picture shows at a place of a surface \[E37\]. Twin: shaders/shading/texture.wgsl.
 
 use crate::packed::{PackedTexture, PackedTriangle, PackedUvs, TextureFlags, Textures};
-use crate::scene::texture::{Space, f16};
+use half::f16;
 use std::sync::LazyLock;
 
 /// Where a texture lies on a place of a surface.
@@ -27,8 +27,13 @@ impl TexturePlace {
 }
 
 /// Numbers in proportion to light of the bytes of sRGB.
-static LINEAR: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|byte| Space::Srgb.to_linear(byte as f32 / 255.0)));
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let encoded = byte as f64 / 255.0;
+        let is_straight = encoded <= 0.040_45;
+        (if is_straight { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }) as f32
+    })
+});
 
 /// What a texture, counted from 1, shows at texture coordinates, to who sees so much of these at once; 0 sees the largest level. Linear
 /// red, green and blue, and opacity.
