@@ -28,8 +28,8 @@ mod tests {
             let rgb =
                 Spectrum::reflectance_table(pairs.0, pairs.1).expect("from 0 to 1").reflectance_to_rgb();
             for (k, c) in rgb.into_iter().enumerate() {
-                // tables are read at every nm, and have seven digits
-                assert!((c - f64::from(u8::from(k == i))).abs() < 2e-5, "{name}: {rgb:?}");
+                // between its published values daylight is interpolated otherwise here
+                assert!((c - f64::from(u8::from(k == i))).abs() < 1e-4, "{name}: {rgb:?}");
             }
         }
         for lambda in LAMBDA_MIN as u32..=LAMBDA_MAX as u32 {

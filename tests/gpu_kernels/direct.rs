@@ -12,6 +12,8 @@ use joton::plan::{Plan, Settings};
 use joton::scene::Light;
 use std::f64::consts::PI;
 
+/// Words of a gather point.
+const POINT_WORDS: usize = size_of::<joton::packed::layout::GatherPoint>() / 4;
 const SIZE: u32 = 24;
 const REFLECTANCE: f32 = 0.6;
 
@@ -37,7 +39,7 @@ fn look(context: &Context, scene: &PackedScene, shadow_rays: u32) -> Seen {
     };
     pass.set_image(scene.size);
     // no pixel is the glint kernel's; the rest must be overwritten
-    let mut unwritten = [PATTERN; 12];
+    let mut unwritten = [PATTERN; POINT_WORDS];
     unwritten[11] = 0;
     harness.storage("gather_points", &vec![unwritten; pixels]);
     harness.storage("film_emission", &vec![[0.0f32; 4]; pixels]);

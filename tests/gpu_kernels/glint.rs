@@ -12,6 +12,8 @@ use joton::packed::layout::{GatherPoint, PassInfo, status};
 use joton::plan::{Plan, Settings};
 use joton::scene::Material;
 
+/// Words of a gather point.
+const POINT_WORDS: usize = size_of::<joton::packed::layout::GatherPoint>() / 4;
 const SIZE: u32 = 16;
 const RADIANCE: f32 = 3.0;
 const MIRROR: f32 = 0.9;
@@ -127,7 +129,7 @@ fn radiance(context: &Context, scene: &PackedScene, passes: u32) -> Vec<f64> {
 fn radiance_in_steps(context: &Context, scene: &PackedScene, passes: u32, steps: u32) -> Vec<f64> {
     let mut harness = harness(context, scene);
     let pixels = scene.pixels() as u32;
-    let mut points = vec![[PATTERN; 12]; pixels as usize];
+    let mut points = vec![[PATTERN; POINT_WORDS]; pixels as usize];
     (0..pixels).zip(&mut points).for_each(|(i, p)| p[11] = level(i));
     harness.storage("gather_points", &points);
     harness.storage("film_emission", &vec![[0.0f32; 4]; pixels as usize]);
@@ -257,14 +259,14 @@ fn marks_are_levels() {
         let mut harness = Harness::new(context);
         // a list of something else before it
         harness.storage("glints", &[vec![PATTERN; 3], list.clone()].concat());
-        harness.storage("gather_points", &vec![[PATTERN; 12]; pixels as usize]);
+        harness.storage("gather_points", &vec![[PATTERN; POINT_WORDS]; pixels as usize]);
         let mut pass = PassInfo { glint_first: 3, glint_count: list.len() as u32, ..pass_info() };
         pass.set_image([width, height]);
         let k = kernel(context, "passes/glint_mark.wgsl", "main", &[]);
         let at: [(&str, &[u8]); 1] = [("pass_info", bytemuck::bytes_of(&pass))];
         let work = Work::Invocations(list.len() as u32);
         harness.run(&k, &[], &at, work).unwrap_or_else(|e| panic!("{e}"));
-        let words: Vec<[u32; 12]> = harness.read("gather_points").unwrap_or_else(|e| panic!("{e}"));
+        let words: Vec<[u32; POINT_WORDS]> = harness.read("gather_points").unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(std::mem::offset_of!(GatherPoint, glint_level), 44);
         for (i, words) in (0..pixels).zip(&words) {
             let wanted = if level(i) > 0 { level(i) } else { PATTERN };
