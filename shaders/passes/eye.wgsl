@@ -91,10 +91,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         // Nothing is absorbed by chance on the way from the eye: what the surface takes is in the throughput. But late in
         // a path that goes on, where it ends as a joton's does [E3].
         let survives = survival(events, kept, CAMERA_STEPS);
-        if next.weight <= 0.0 || random.w >= survives {
+        if max_band(next.weight) <= 0.0 || random.w >= survives {
             break;
         }
         throughput *= albedo_at(b, lobe) * (ways / (survives * weight_of(weights, lobe)) * next.radiance_scale);
+        if HAS_FACETS {
+            throughput *= next.weight;
+        }
         splits = splits_after(splits, weights, lobe);
         direction = next.direction;
         start = departure(s, direction, b.from_front);

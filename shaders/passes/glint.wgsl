@@ -153,10 +153,13 @@ struct Next {
 fn after(way: Way, s: Surface, b: Bsdf, weights: LobeWeights, lobe: u32, u: vec2<f32>) -> Next {
     let sample = sample_delta_at(b, lobe, u);
     let start = departure(s, sample.direction, b.from_front);
-    let throughput = way.throughput * albedo_at(b, lobe) * sample.radiance_scale;
+    var throughput = way.throughput * albedo_at(b, lobe) * sample.radiance_scale;
+    if HAS_FACETS {
+        throughput *= sample.weight;
+    }
     let splits = splits_after(way.splits, weights, lobe);
     let next = Way(start.origin, way.events + 1u, sample.direction, splits, throughput, start.t_back, way.length);
-    return Next(next, sample.weight > 0.0 && max_band(throughput) > 0.0);
+    return Next(next, max_band(sample.weight) > 0.0 && max_band(throughput) > 0.0);
 }
 
 @compute @workgroup_size(64)

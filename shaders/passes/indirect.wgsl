@@ -265,10 +265,13 @@ fn go_on(p: ptr<function, Path>) -> bool {
         let lobe = chosen_delta(weights, choice - scattered);
         let next = sample_delta_at(b, lobe, random.yz);
         let survives = survival((*p).events, kept, PATH_STEPS);
-        if next.weight <= 0.0 || random.w >= survives {
+        if max_band(next.weight) <= 0.0 || random.w >= survives {
             return false;
         }
         (*p).throughput *= albedo_at(b, lobe) * (kept / (survives * weight_of(weights, lobe)) * next.radiance_scale);
+        if HAS_FACETS {
+            (*p).throughput *= next.weight;
+        }
         (*p).direction = next.direction;
         (*p).departs = departure(s, next.direction, b.from_front);
     }

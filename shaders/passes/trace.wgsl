@@ -120,7 +120,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         let weights = roulette_at(b, lane.flux, events);
         let random = random4(pass_info.seed, map_info.pass_index, number, first_dimension + events);
         let lobe = chosen_lobe(weights, random.x);
-        tally.absorbed += four_of_bands(lane.flux * (1.0 - total_albedo(b.material, b.reflectance)));
+        tally.absorbed += four_of_bands(lane.flux * (1.0 - total_albedo(b.material, b.at)));
         if lobe == LOBE_NONE || (CAUSTIC && !is_delta(lobe)) {
             lane.status = 0u;
             continue;

@@ -11,8 +11,7 @@ struct Bsdf {
     // Unit normals on the ray's side.
     geometric: vec3<f32>,
     shading: vec3<f32>,
-    // Of an interface, by Fresnel; else 0.
-    reflectance: Bands,
+    at: AtAngle,
     // Factor on what is transmitted: one, but where bands part [E36].
     parted: Bands,
 }
@@ -23,8 +22,8 @@ fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32) -> Bsdf {
     let from_front = dot(direction, s.front) < 0.0;
     let geometric = s.front * select(-1.0, 1.0, from_front);
     let shading = facing_normal(s, direction, geometric);
-    let reflectance = dielectric_reflectance(m, shading, direction, from_front);
-    return Bsdf(m, direction, from_front, geometric, shading, reflectance, Bands(1.0));
+    let at = at_angle(m, shading, direction, from_front);
+    return Bsdf(m, direction, from_front, geometric, shading, at, Bands(1.0));
 }
 
 // Where bands part, one of them is transmitted, picked by what of each would be: p = c / Σc [E36]. u in [0, 1), one number for a path:
@@ -34,7 +33,7 @@ fn with_band(b: Bsdf, carried: Bands, u: f32) -> Bsdf {
     if !parts_bands(b.material) {
         return picked;
     }
-    let transmitted = carried * lobe_albedo(b.material, LOBE_TRANSMISSION, b.reflectance);
+    let transmitted = carried * lobe_albedo(b.material, LOBE_TRANSMISSION, b.at);
     let band = picked_band(transmitted, u);
     picked.material.ior = b.material.iors[band];
     picked.parted = Bands(0.0);
@@ -53,7 +52,7 @@ fn facing_normal(s: Surface, direction: vec3<f32>, geometric: vec3<f32>) -> vec3
 
 // Part of the flux that takes each lobe.
 fn weights_at(b: Bsdf, carried: Bands) -> LobeWeights {
-    return lobe_weights(b.material, carried, b.reflectance);
+    return lobe_weights(b.material, carried, b.at);
 }
 
 // The same for Russian roulette, as probabilities.
@@ -62,7 +61,7 @@ fn roulette_at(b: Bsdf, carried: Bands, events: u32) -> LobeWeights {
 }
 
 fn albedo_at(b: Bsdf, lobe: u32) -> Bands {
-    let albedo = lobe_albedo(b.material, lobe, b.reflectance);
+    let albedo = lobe_albedo(b.material, lobe, b.at);
     if HAS_DISPERSION && lobe == LOBE_TRANSMISSION {
         return albedo * b.parted;
     }

@@ -6,10 +6,13 @@
 // import: shading/phong.wgsl
 // import: shading/mirror.wgsl
 // import: shading/dielectric.wgsl
+// import: shading/undercoat.wgsl
+// import: shading/microfacet.wgsl
+// import: shading/rough_interface.wgsl
 
 const LOBE_NONE: u32 = 0u;
-const LOBE_LAMBERT: u32 = 1u;
-const LOBE_PHONG: u32 = 2u;
+const LOBE_DIFFUSE: u32 = 1u;
+const LOBE_GLOSSY: u32 = 2u;
 // Delta lobes from here on.
 const LOBE_MIRROR: u32 = 3u;
 const LOBE_REFLECTION: u32 = 4u;
@@ -26,69 +29,113 @@ fn does_scatter(m: PackedMaterial) -> bool {
 
 // True where the BRDF depends on directions.
 fn does_vary(m: PackedMaterial) -> bool {
-    return HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u;
+    return (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || is_coated(m);
 }
 
 // True for a lobe of finite width that is followed as a mirror is, where there are lights that are not met so.
 fn is_narrow(m: PackedMaterial) -> bool {
-    return HAS_SPECULAR && HAS_DELTA_LIGHTS && m.specular_exponent > 0.0;
+    return HAS_SPECULAR && HAS_DELTA_LIGHTS
+        && (m.specular_exponent > 0.0 || (has_facets(m) && m.alpha > 0.0 && (m.flag_bits & SPECULAR) != 0u));
 }
 
-// Reflectance or transmittance of a lobe, per band; `reflectance` is the interface's, by Fresnel.
-fn lobe_albedo(m: PackedMaterial, lobe: u32, reflectance: Bands) -> Bands {
+// What of a material depends on the angle at which light arrives.
+struct AtAngle {
+    // Of an interface; of microfacets that lie flat. Else 0.
+    reflectance: Bands,
+    // Part of a diffuse lobe's light that a coat lets in and out; 1 where there is none.
+    under_coat: f32,
+}
+
+// The lobe of microfacets: what the material says of it. One of the two is black.
+fn facet_tint(m: PackedMaterial) -> Bands {
+    return select(m.specular, m.glossy, (m.flag_bits & GLOSSY) != 0u);
+}
+
+// n is a unit normal on the side of -direction.
+fn at_angle(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: bool) -> AtAngle {
+    if has_facets(m) {
+        if is_rough_interface(m) {
+            return AtAngle(rough_reflectance(m, n, direction, from_front), 1.0);
+        }
+        let cosine = -dot(direction, n);
+        let under_coat = select(1.0, undercoat_albedo(m, cosine), is_coated(m));
+        return AtAngle(facet_reflectance(m, facet_tint(m), cosine), under_coat);
+    }
+    return AtAngle(dielectric_reflectance(m, n, direction, from_front), 1.0);
+}
+
+// Of what mirrors or is glossy and no interface; a material of microfacets states one of the two.
+fn reflecting_albedo(m: PackedMaterial, stated: Bands, at: AtAngle) -> Bands {
+    return select(stated, at.reflectance, has_facets(m) && max_band(stated) > 0.0);
+}
+
+// Reflectance or transmittance of a lobe, per band; of one with a width about that.
+fn lobe_albedo(m: PackedMaterial, lobe: u32, at: AtAngle) -> Bands {
     switch lobe {
-        case LOBE_LAMBERT: { return m.diffuse; }
-        case LOBE_PHONG: { return m.glossy; }
-        case LOBE_MIRROR: { return m.specular; }
-        case LOBE_REFLECTION: { return m.specular * reflectance; }
-        default: { return m.transmission * (1.0 - reflectance); }
+        case LOBE_DIFFUSE: { return diffuse_albedo(m, at); }
+        case LOBE_GLOSSY: { return reflecting_albedo(m, m.glossy, at); }
+        case LOBE_MIRROR: { return reflecting_albedo(m, m.specular, at); }
+        case LOBE_REFLECTION: { return m.specular * at.reflectance; }
+        default: { return m.transmission * (1.0 - at.reflectance); }
     }
 }
 
+fn diffuse_albedo(m: PackedMaterial, at: AtAngle) -> Bands {
+    if HAS_FACETS {
+        return m.diffuse * at.under_coat;
+    }
+    return m.diffuse;
+}
+
 // Of all lobes together.
-fn total_albedo(m: PackedMaterial, reflectance: Bands) -> Bands {
-    let delta = select(m.specular, m.specular * reflectance + m.transmission * (1.0 - reflectance), is_dielectric(m));
-    return m.diffuse + m.glossy + delta;
+fn total_albedo(m: PackedMaterial, at: AtAngle) -> Bands {
+    if is_dielectric(m) {
+        return m.diffuse + m.glossy + (m.specular * at.reflectance + m.transmission * (1.0 - at.reflectance));
+    }
+    if has_facets(m) {
+        return diffuse_albedo(m, at) + at.reflectance;
+    }
+    return m.diffuse + m.glossy + m.specular;
 }
 
 // A number for each lobe.
 struct LobeWeights {
-    lambert: f32,
-    phong: f32,
+    diffuse: f32,
+    glossy: f32,
     mirror: f32,
     reflection: f32,
     transmission: f32,
 }
 
 // Part of the flux that takes each lobe, as max over bands of (albedo × carried) / max of carried.
-fn lobe_weights(m: PackedMaterial, carried: Bands, reflectance: Bands) -> LobeWeights {
+fn lobe_weights(m: PackedMaterial, carried: Bands, at: AtAngle) -> LobeWeights {
     let scale = 1.0 / max(max_band(carried), 1e-37);
     var w = LobeWeights(0.0, 0.0, 0.0, 0.0, 0.0);
     if is_dielectric(m) {
-        w.reflection = max_band(reflectance * (m.specular * carried)) * scale;
-        w.transmission = max_band((1.0 - reflectance) * (m.transmission * carried)) * scale;
+        w.reflection = max_band(at.reflectance * (m.specular * carried)) * scale;
+        w.transmission = max_band((1.0 - at.reflectance) * (m.transmission * carried)) * scale;
         return w;
     }
-    w.lambert = max_band(m.diffuse * carried) * scale;
+    w.diffuse = max_band(diffuse_albedo(m, at) * carried) * scale;
     if HAS_GLOSSY {
-        w.phong = max_band(m.glossy * carried) * scale;
+        w.glossy = max_band(reflecting_albedo(m, m.glossy, at) * carried) * scale;
     }
     if HAS_SPECULAR {
-        w.mirror = max_band(m.specular * carried) * scale;
+        w.mirror = max_band(reflecting_albedo(m, m.specular, at) * carried) * scale;
     }
     return w;
 }
 
 fn scaled_weights(w: LobeWeights, factor: f32) -> LobeWeights {
     return LobeWeights(
-        w.lambert * factor, w.phong * factor, w.mirror * factor, w.reflection * factor, w.transmission * factor,
+        w.diffuse * factor, w.glossy * factor, w.mirror * factor, w.reflection * factor, w.transmission * factor,
     );
 }
 
 fn weight_of(w: LobeWeights, lobe: u32) -> f32 {
     switch lobe {
-        case LOBE_LAMBERT: { return w.lambert; }
-        case LOBE_PHONG: { return w.phong; }
+        case LOBE_DIFFUSE: { return w.diffuse; }
+        case LOBE_GLOSSY: { return w.glossy; }
         case LOBE_MIRROR: { return w.mirror; }
         case LOBE_REFLECTION: { return w.reflection; }
         default: { return w.transmission; }
@@ -97,7 +144,7 @@ fn weight_of(w: LobeWeights, lobe: u32) -> f32 {
 
 // Sum over the lobes that scatter.
 fn scatter_weight(w: LobeWeights) -> f32 {
-    return w.lambert + w.phong;
+    return w.diffuse + w.glossy;
 }
 
 // Sum over the delta lobes.
@@ -120,13 +167,13 @@ fn roulette(w: LobeWeights, events: u32) -> LobeWeights {
 
 // The lobe that u in [0, 1) falls on; LOBE_NONE past all of them.
 fn chosen_lobe(w: LobeWeights, u: f32) -> u32 {
-    var edge = w.lambert;
+    var edge = w.diffuse;
     if u < edge {
-        return LOBE_LAMBERT;
+        return LOBE_DIFFUSE;
     }
-    edge += w.phong;
+    edge += w.glossy;
     if u < edge {
-        return LOBE_PHONG;
+        return LOBE_GLOSSY;
     }
     edge += w.mirror;
     if u < edge {
@@ -150,8 +197,15 @@ fn chosen_delta(w: LobeWeights, u: f32) -> u32 {
 // BRDF of the lobes that scatter, 1/sr.
 fn eval_scatter(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
     var f = lambert_eval(m);
-    if does_vary(m) {
-        f += phong_eval(m.glossy, m.glossy_exponent, n, wi, wo);
+    if is_coated(m) {
+        f = undercoat_eval(m, n, wi, wo);
+    }
+    if HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u {
+        if has_facets(m) {
+            f += microfacet_eval(m, m.glossy, n, wi, wo);
+        } else {
+            f += phong_eval(m.glossy, m.glossy_exponent, n, wi, wo);
+        }
     }
     return f;
 }
@@ -161,33 +215,48 @@ fn eval_narrow(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) ->
     if !is_narrow(m) {
         return Bands(0.0);
     }
+    if has_facets(m) {
+        return microfacet_eval(m, m.specular, n, wi, wo);
+    }
     return phong_eval(m.specular, m.specular_exponent, n, wi, wo);
 }
 
-// Probability that a sample of the lobes that scatter takes the Lambert lobe.
-fn lambert_share(m: PackedMaterial) -> f32 {
-    let glossy = max_band(m.glossy);
+// Probability that a sample of the lobes that scatter takes the diffuse one.
+fn diffuse_share(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>) -> f32 {
+    var glossy = max_band(m.glossy);
     if !HAS_GLOSSY || glossy <= 0.0 {
         return 1.0;
     }
-    let diffuse = max_band(m.diffuse);
+    var diffuse = max_band(m.diffuse);
+    if has_facets(m) {
+        let at = at_angle(m, n, -wo, true);
+        diffuse = max_band(diffuse_albedo(m, at));
+        glossy = max_band(at.reflectance);
+    }
     return diffuse / (diffuse + glossy);
 }
 
 // pdf_solid_angle of sample_scatter.
 fn pdf_scatter(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
-    let lambert = lambert_share(m);
-    var pdf = lambert * lambert_pdf(n, wi);
-    if lambert < 1.0 {
-        pdf += (1.0 - lambert) * phong_pdf(m.glossy_exponent, n, wi, wo);
+    let diffuse = diffuse_share(m, n, wo);
+    var pdf = diffuse * lambert_pdf(n, wi);
+    if diffuse < 1.0 {
+        if has_facets(m) {
+            pdf += (1.0 - diffuse) * microfacet_pdf(m.alpha, n, wi, wo);
+        } else {
+            pdf += (1.0 - diffuse) * phong_pdf(m.glossy_exponent, n, wi, wo);
+        }
     }
     return pdf;
 }
 
 // A direction from the lobes that scatter; it may lie below the surface.
 fn sample_scatter(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> vec3<f32> {
-    if u.z < lambert_share(m) {
+    if u.z < diffuse_share(m, n, wo) {
         return lambert_sample(n, u.xy);
+    }
+    if has_facets(m) {
+        return microfacet_sample(m.alpha, n, wo, u.xy);
     }
     return phong_sample(m.glossy_exponent, n, -wo, u.xy);
 }
@@ -196,10 +265,14 @@ fn sample_scatter(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) 
 struct LobeSample {
     // Unit.
     direction: vec3<f32>,
-    // f cosθ / (albedo pdf_solid_angle); 0 where the direction is on the wrong side of the surface.
-    weight: f32,
+    // f cosθ / (albedo pdf_solid_angle), per band; 0 where the direction is on the wrong side of the surface.
+    weight: Bands,
     // Radiance scales by this on the way to the eye, (η_i/η_t)²; flux does not [E9].
     radiance_scale: f32,
+}
+
+fn weighed(direction: vec3<f32>, weight: f32, radiance_scale: f32) -> LobeSample {
+    return LobeSample(direction, Bands(weight), radiance_scale);
 }
 
 // Both normals are on the side of `direction`, which arrives. Where a shading normal would send a reflection below the surface,
@@ -207,14 +280,32 @@ struct LobeSample {
 fn sample_delta(
     m: PackedMaterial, lobe: u32, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, from_front: bool, u: vec2<f32>,
 ) -> LobeSample {
+    if is_rough_interface(m) {
+        let transmits = lobe == LOBE_TRANSMISSION;
+        let sample = rough_sample(m, transmits, direction, geometric, n, from_front, u);
+        let eta_it = eta_across(m.ior, from_front);
+        return LobeSample(sample.direction, sample.weight, select(1.0, eta_it * eta_it, transmits));
+    }
     if HAS_DIELECTRIC && lobe == LOBE_TRANSMISSION {
         let eta_it = relative_index(m, from_front);
         let d = transmitted_direction(m, direction, geometric, n, eta_it);
-        return LobeSample(d, select(0.0, 1.0, any(d != vec3(0.0))), eta_it * eta_it);
+        return weighed(d, select(0.0, 1.0, any(d != vec3(0.0))), eta_it * eta_it);
+    }
+    if HAS_SPECULAR && has_facets(m) && m.alpha > 0.0 {
+        return facet_sample(m, m.specular, direction, geometric, n, u);
     }
     // an interface's reflection has no width
     let d = mirror_sample(select(0.0, m.specular_exponent, lobe == LOBE_MIRROR), direction, geometric, n, u);
-    return LobeSample(d, select(0.0, 1.0, dot(d, geometric) > 0.0), 1.0);
+    return weighed(d, select(0.0, 1.0, dot(d, geometric) > 0.0), 1.0);
+}
+
+fn facet_sample(
+    m: PackedMaterial, tint: Bands, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, u: vec2<f32>,
+) -> LobeSample {
+    let d = microfacet_sample(m.alpha, n, -direction, u);
+    let flat = facet_reflectance(m, tint, -dot(direction, n));
+    let weight = microfacet_weight(m, tint, n, d, -direction, flat);
+    return LobeSample(d, select(Bands(0.0), weight, dot(d, geometric) > 0.0), 1.0);
 }
 
 fn sample_lobe(
@@ -223,13 +314,19 @@ fn sample_lobe(
     if is_delta(lobe) {
         return sample_delta(m, lobe, direction, geometric, n, from_front, u);
     }
+    if lobe == LOBE_GLOSSY && has_facets(m) {
+        return facet_sample(m, m.glossy, direction, geometric, n, u);
+    }
     var d: vec3<f32>;
     var weight = 1.0;
-    if lobe == LOBE_LAMBERT {
+    if lobe == LOBE_DIFFUSE {
         d = lambert_sample(n, u);
+        if is_coated(m) {
+            weight = undercoat_weight(m, dot(d, n));
+        }
     } else {
         d = phong_sample(m.glossy_exponent, n, direction, u);
         weight = phong_weight(m.glossy_exponent, dot(d, n));
     }
-    return LobeSample(d, select(0.0, weight, dot(d, geometric) > 0.0), 1.0);
+    return weighed(d, select(0.0, weight, dot(d, geometric) > 0.0), 1.0);
 }

@@ -66,7 +66,9 @@ impl<'a> SurfaceInteraction<'a> {
         let ns = if smooth {
             let [a, b, c] = scene.shading_normals[hit.triangle as usize];
             let n = (a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v).normalize_or(ng);
-            if n.dot(ng) < 0.0 { -n } else { n }
+            let n = if n.dot(ng) < 0.0 { -n } else { n };
+            // where the two disagree about the side that is seen, the geometric one holds
+            if n.dot(ray.direction) < 0.0 { n } else { ng }
         } else {
             ng
         };

@@ -7,13 +7,14 @@ use super::PackedScene;
 use super::emitters::{PackedEmitter, Source};
 use super::surfaces::PackedMaterial;
 use crate::film::{half, place_in_half};
-use crate::scene::{Light, Material, MaterialSpectra, Scene};
+use crate::scene::{FacetKind, Facets, Light, Material, MaterialSpectra, Scene};
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
+use crate::spectrum::metal::Metal;
 use crate::spectrum::pick::{Pick, rgb_matrix};
 use crate::spectrum::texel::bases_at;
 use crate::spectrum::wavelengths::Distribution;
-use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black};
+use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black, to_rgb};
 
 /// A scene by wavelength.
 #[derive(Debug, Clone)]
@@ -36,6 +37,9 @@ struct Curves {
     index: Option<Index>,
     /// The most that a texture leaves of `diffuse`: 1 where there is none.
     most: f32,
+    /// Where it is one.
+    metal: Option<Metal>,
+    facets: Option<Facets>,
 }
 
 /// What the bands of a pass are.
@@ -64,14 +68,23 @@ impl Curves {
             stated.unwrap_or_else(|| Spectrum::reflectance_of_rgb(rgb.map(f64::from)))
         };
         // what is followed as a mirror lies there
-        let specular = if packed.has_narrow_lobe() { glossy.clone() } else { specular };
+        let specular = if packed.follows_glossy(m) { glossy.clone() } else { specular };
+        let metal = match m.facets.map(|f| f.kind) {
+            Some(FacetKind::Conductor { eta, k }) => {
+                m.metal.as_deref().cloned().or_else(|| Metal::of_rgb(to_rgb(&eta), to_rgb(&k)))
+            }
+            _ => None,
+        };
         Self {
-            diffuse: curve(packed.diffuse, diffuse),
+            // what it reflects itself, under whatever coat
+            diffuse: curve(m.diffuse, diffuse),
             specular: curve(packed.specular, specular),
             glossy: curve(packed.glossy, glossy),
             transmission: curve(packed.transmission, transmission),
             index,
             most: m.diffuse_texture.as_ref().map_or(1.0, |t| t.most().into_iter().fold(0.0, f32::max)),
+            metal,
+            facets: m.facets,
         }
     }
 
@@ -81,11 +94,16 @@ impl Curves {
             if is_black(rgb) { BLACK } else { lambdas.map(|lambda| curve.at(lambda).clamp(0.0, 1.0) as f32) }
         };
         let mut m = *base;
-        m.diffuse = value(&base.diffuse, &self.diffuse);
+        m.diffuse = base.under_coat(self.facets, value(&base.diffuse, &self.diffuse));
         m.specular = value(&base.specular, &self.specular);
         m.glossy = value(&base.glossy, &self.glossy);
         m.transmission = value(&base.transmission, &self.transmission);
-        if !base.flags().is_dielectric() {
+        if let Some(metal) = &self.metal {
+            for (band, lambda) in lambdas.into_iter().enumerate() {
+                [m.iors[band], m.extinction[band]] = metal.at(lambda).map(|x| x as f32);
+            }
+        }
+        if !base.flags().is_dielectric() && !base.flags().has_facets() {
             // lobes that reflect no more than arrives as colours may do so at a wavelength
             for band in 0..BANDS {
                 let total = m.diffuse[band] * self.most + m.specular[band] + m.glossy[band];

@@ -3,7 +3,7 @@
 use super::winding::corner;
 use crate::packed::accel::Face;
 use crate::packed::gpu_struct::gpu_struct;
-use crate::scene::{Material, Scene};
+use crate::scene::{FacetKind, Facets, Inner, Material, Scene};
 use crate::spectrum::{BANDS, BLACK, Bands, is_black};
 use glam::Vec3;
 use rustc_hash::{FxBuildHasher, FxHashMap};
@@ -88,6 +88,10 @@ impl Face for PackedTriangle {
 /// Glossy lobes sharper than this Phong exponent are followed as mirrors are, never looked up in a map: none is dense enough.
 /// Lights without area are never met so; shadow rays find them in such a lobe as in every other [E6].
 const FOLLOWED_EXPONENT: f32 = 300.0;
+/// The same for microfacets: lobes of this α are as wide as one of that exponent, α² = 2/(e + 2).
+const FOLLOWED_ALPHA: f32 = 0.081_4;
+/// Microfacets of a smaller α are a smooth surface.
+const SMOOTH_ALPHA: f32 = 1e-4;
 
 /// What a material can do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,9 +105,13 @@ impl MaterialFlags {
     pub(crate) const EMISSIVE: u32 = 16;
     pub(crate) const THIN: u32 = 32;
     pub(crate) const DISPERSIVE: u32 = 64;
+    pub(crate) const FACETS: u32 = 128;
+    pub(crate) const CONDUCTOR: u32 = 256;
+    pub(crate) const SCHLICK: u32 = 512;
+    pub(crate) const COATED: u32 = 1024;
 
     /// Name and value of each bit, as the kernels know it.
-    pub(super) const NAMED: [(&str, u32); 7] = [
+    pub(super) const NAMED: [(&str, u32); 11] = [
         ("DIFFUSE", Self::DIFFUSE),
         ("GLOSSY", Self::GLOSSY),
         ("SPECULAR", Self::SPECULAR),
@@ -111,6 +119,10 @@ impl MaterialFlags {
         ("EMISSIVE", Self::EMISSIVE),
         ("THIN", Self::THIN),
         ("DISPERSIVE", Self::DISPERSIVE),
+        ("FACETS", Self::FACETS),
+        ("CONDUCTOR", Self::CONDUCTOR),
+        ("SCHLICK", Self::SCHLICK),
+        ("COATED", Self::COATED),
     ];
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
@@ -141,6 +153,22 @@ impl MaterialFlags {
     pub fn is_dispersive(self) -> bool {
         self.0 & Self::DISPERSIVE != 0
     }
+    /// What reflects, or the interface, is of microfacets, smooth or rough: it reflects by Fresnel \[E40\].
+    pub fn has_facets(self) -> bool {
+        self.0 & Self::FACETS != 0
+    }
+    /// The microfacets are of metal.
+    pub(crate) fn is_conductor(self) -> bool {
+        self.0 & Self::CONDUCTOR != 0
+    }
+    /// The microfacets reflect by Schlick's formula.
+    pub(crate) fn is_schlick(self) -> bool {
+        self.0 & Self::SCHLICK != 0
+    }
+    /// The diffuse lobe lies under a coat \[E42\].
+    pub(crate) fn is_coated(self) -> bool {
+        self.0 & Self::COATED != 0
+    }
     /// The front emits.
     pub fn is_emissive(self) -> bool {
         self.0 & Self::EMISSIVE != 0
@@ -148,15 +176,16 @@ impl MaterialFlags {
 }
 
 gpu_struct! {
-    /// A material, 96 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances.
+    /// A material, 112 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances. Of microfacets
+    /// `glossy` and `specular` are what Schlick's formula has head on, or the tint of what reflects by indices of refraction \[E40\].
     pub struct PackedMaterial {
-        /// Lambertian reflectance.
+        /// Lambertian reflectance; under a coat what leaves it over what enters it \[E42\].
         pub diffuse: Bands,
         /// Bits of [`MaterialFlags`].
         pub flag_bits: u32,
         /// Mirror reflectance, or the dielectric's reflection tint.
         pub specular: Bands,
-        /// Index of refraction inside over outside; 1 where opaque.
+        /// Index of refraction inside over outside, of a dielectric or of a coat; else 1.
         pub ior: f32,
         /// Glossy reflectance.
         pub glossy: Bands,
@@ -170,10 +199,16 @@ gpu_struct! {
         pub emission: Bands,
         /// Numbers of its textures, from 1; 0 where there is none: that of `diffuse` in the low 16 bits, of its opacity above.
         pub textures: u32,
-        /// `ior` in each band, where it differs between them.
+        /// `ior` in each band, where it differs between them; a metal's index, its real part.
         pub iors: Bands,
+        /// GGX roughness α of the microfacets; 0 is smooth.
+        pub alpha: f32,
+        /// A metal's index, its imaginary part.
+        pub extinction: Bands,
+        /// Part of even light that a coat lets through.
+        pub coat_transmittance: f32,
     }
-    words 6 * BANDS + 5
+    words 7 * BANDS + 7
 }
 
 impl PackedMaterial {
@@ -181,31 +216,77 @@ impl PackedMaterial {
     pub fn new(m: &Material) -> Self {
         let mut bits = 0;
         let mut set = |on: bool, bit: u32| bits |= if on { bit } else { 0 };
-        set(m.dielectric.is_some(), MaterialFlags::DIELECTRIC);
-        set(m.dielectric.is_some() && m.thin, MaterialFlags::THIN);
         let opaque = m.dielectric.is_none();
+        set(!opaque, MaterialFlags::DIELECTRIC);
+        set(!opaque && m.thin, MaterialFlags::THIN);
+        let alpha = m.facets.map_or(0.0, |f| if f.alpha < SMOOTH_ALPHA { 0.0 } else { f.alpha.min(1.0) });
+        let kind = m.facets.map(|f| f.kind).filter(|_| opaque);
+        // a smooth interface needs no microfacets, and nothing bends in a pane
+        set(kind.is_some() || (!opaque && alpha > 0.0 && !m.thin), MaterialFlags::FACETS);
         // beside a mirror there is no room for a second lobe that is followed
-        let followed = m.glossy_exponent > FOLLOWED_EXPONENT && is_black(&m.specular);
+        let is_narrow =
+            if kind.is_some() { alpha <= FOLLOWED_ALPHA } else { m.glossy_exponent > FOLLOWED_EXPONENT };
+        let followed = is_narrow && is_black(&m.specular);
         let (glossy, specular) = if followed { (BLACK, m.glossy) } else { (m.glossy, m.specular) };
         set(opaque && !is_black(&m.diffuse), MaterialFlags::DIFFUSE);
         set(opaque && !is_black(&glossy), MaterialFlags::GLOSSY);
         set(opaque && !is_black(&specular), MaterialFlags::SPECULAR);
         set(!is_black(&m.emission), MaterialFlags::EMISSIVE);
+        let metal = match kind {
+            Some(FacetKind::Conductor { eta, k }) => Some((eta, k)),
+            _ => None,
+        };
+        let coat = kind.and_then(FacetKind::coat);
+        set(metal.is_some(), MaterialFlags::CONDUCTOR);
+        set(matches!(kind, Some(FacetKind::Schlick { .. })), MaterialFlags::SCHLICK);
+        set(coat.is_some_and(|ior| ior > 1.0) && !is_black(&m.diffuse), MaterialFlags::COATED);
         let d = m.dielectric;
-        Self {
+        let ior = d.map(|d| d.ior).or(coat).unwrap_or(1.0);
+        let is_phong = followed && m.facets.is_none() && !is_black(&m.glossy);
+        let mut packed = Self {
             diffuse: if opaque { m.diffuse } else { BLACK },
             flag_bits: bits,
             specular: d.map_or(specular, |d| d.reflection_tint),
-            ior: d.map_or(1.0, |d| d.ior),
+            ior,
             glossy: if opaque { glossy } else { BLACK },
             glossy_exponent: m.glossy_exponent,
             transmission: d.map_or(BLACK, |d| d.transmission_tint),
-            specular_exponent: if followed && !is_black(&m.glossy) { m.glossy_exponent } else { 0.0 },
+            specular_exponent: if is_phong { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
             textures: 0,
-            iors: [d.map_or(1.0, |d| d.ior); BANDS],
+            iors: metal.map_or([ior; BANDS], |(eta, _)| eta),
+            alpha,
+            extinction: metal.map_or(BLACK, |(_, k)| k),
+            coat_transmittance: coat.map_or(1.0, |ior| coat_transmittance(f64::from(ior)) as f32),
             pad: Default::default(),
+        };
+        packed.diffuse = packed.under_coat(m.facets, packed.diffuse);
+        packed
+    }
+
+    /// What leaves a diffuse base of this reflectance over what enters its coat: light is reflected to and fro between the two \[E42\].
+    pub(super) fn under_coat(&self, facets: Option<Facets>, reflectance: Bands) -> Bands {
+        let Some(FacetKind::Coat { ior, inner }) = facets.map(|f| f.kind) else { return reflectance };
+        if !self.flags().is_coated() {
+            return reflectance;
         }
+        let ior = f64::from(ior);
+        let outer = coat_transmittance(ior);
+        // of even light inside, which Fresnel's symmetry ties to that outside
+        let inside = 1.0 - outer / (ior * ior);
+        reflectance.map(|rho| {
+            let rho = f64::from(rho);
+            (match inner {
+                Inner::Once => rho,
+                Inner::Even => rho / outer,
+                Inner::Coloured => rho / (ior * ior * (1.0 - rho * inside)),
+            }) as f32
+        })
+    }
+
+    /// True for microfacets that are not smooth.
+    pub(crate) fn is_rough(&self) -> bool {
+        self.flags().has_facets() && self.alpha > 0.0
     }
 
     /// Texture of `diffuse`, counted from 1.
@@ -220,7 +301,12 @@ impl PackedMaterial {
 
     /// True for a lobe of finite width that is followed as a mirror is.
     pub fn has_narrow_lobe(&self) -> bool {
-        self.specular_exponent > 0.0
+        self.specular_exponent > 0.0 || (self.is_rough() && self.flags().0 & MaterialFlags::SPECULAR != 0)
+    }
+
+    /// True where what is stated as glossy is packed as `specular`: it is followed.
+    pub(super) fn follows_glossy(&self, m: &Material) -> bool {
+        !is_black(&m.glossy) && is_black(&self.glossy)
     }
 
     /// Mark it as one whose index differs between the bands: `iors` says how \[E36\].
@@ -237,6 +323,19 @@ impl PackedMaterial {
     pub fn flags(&self) -> MaterialFlags {
         MaterialFlags(self.flag_bits)
     }
+}
+
+/// Part of even light from outside that a smooth coat of this index lets through: 1 − ∫ F(c) 2c dc \[E42\].
+fn coat_transmittance(ior: f64) -> f64 {
+    const STEPS: u32 = 1000;
+    // even places of the square of the sine are even light
+    let passes = |i: u32| {
+        let sin2 = (f64::from(i) + 0.5) / f64::from(STEPS);
+        let (cos, inner) = ((1.0 - sin2).sqrt(), (1.0 - sin2 / (ior * ior)).max(0.0).sqrt());
+        let [s, p] = [[cos, ior * inner], [ior * cos, inner]].map(|[a, b]| ((a - b) / (a + b)).powi(2));
+        1.0 - 0.5 * (s + p)
+    };
+    (0..STEPS).map(passes).sum::<f64>() / f64::from(STEPS)
 }
 
 /// Triangles start at their first corner unless the sine of its angle is this many times smaller than another's.

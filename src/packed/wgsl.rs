@@ -105,6 +105,9 @@ fn constants() -> String {
         writeln!(s, "const {name} = Vec4({x:?}, {y:?}, {z:?}, {w:?});").expect("writing to a string");
     };
     v("CIRCLE_SINE", CIRCLE_SINE);
+    for (j, row) in GGX_LOST.into_iter().enumerate() {
+        v(&format!("GGX_LOST_{j}"), row);
+    }
     v("CIRCLE_COSINE", CIRCLE_COSINE);
     s
 }

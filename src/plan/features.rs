@@ -24,6 +24,8 @@ pub struct Features {
     pub dispersion: bool,
     /// Some surface has a glossy lobe.
     pub glossy: bool,
+    /// Some surface is of microfacets.
+    pub facets: bool,
     /// Some emitter is not a triangle.
     pub delta_lights: bool,
     /// Some faces may lie in one place.
@@ -60,6 +62,7 @@ impl Features {
                 Reason::NothingDisperses,
             ),
             glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
+            facets: needs(facts::has(scene, |m| m.has_facets()), Part::Microfacets, Reason::NoMicrofacets),
             smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
             delta_lights: needs(
                 scene.emitters.iter().any(|e| !e.has_area()),
@@ -72,7 +75,7 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 11] {
+    pub fn named(&self) -> [(&'static str, bool); 12] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
@@ -82,6 +85,7 @@ impl Features {
             ("HAS_WAVELENGTHS", self.wavelengths),
             ("HAS_DISPERSION", self.dispersion),
             ("HAS_GLOSSY", self.glossy),
+            ("HAS_FACETS", self.facets),
             ("HAS_DELTA_LIGHTS", self.delta_lights),
             ("HAS_CONTACTS", self.contacts),
             ("HAS_PATH_FILTER", self.path_filter),

@@ -28,6 +28,8 @@ pub enum Part {
     Dispersion,
     /// Code for glossy lobes.
     GlossyLobes,
+    /// Code for microfacets, and what reflects as metal or a coat does.
+    Microfacets,
     /// Code and buffer for shading normals.
     ShadingNormals,
     /// Code for lights that are no surfaces.
@@ -84,6 +86,8 @@ pub enum Reason {
     NothingCut,
     /// No surface is glossy.
     NoGlossySurface,
+    /// No surface is of microfacets.
+    NoMicrofacets,
     /// No triangle has shading normals.
     AllFlat,
     /// No light is a point, a spot or a sun.
@@ -121,7 +125,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 22] = [
+    pub const ALL: [Part; 23] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -133,6 +137,7 @@ impl Part {
         Part::CutOuts,
         Part::Dispersion,
         Part::GlossyLobes,
+        Part::Microfacets,
         Part::ShadingNormals,
         Part::DeltaLights,
         Part::Contacts,
@@ -160,6 +165,7 @@ impl Part {
             Part::CutOuts => "cut-outs",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy-lobes",
+            Part::Microfacets => "microfacets",
             Part::ShadingNormals => "shading-normals",
             Part::DeltaLights => "delta-lights",
             Part::Contacts => "contacts",
@@ -188,6 +194,7 @@ impl Part {
             Part::CutOuts => "cut-outs",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy lobes",
+            Part::Microfacets => "microfacets",
             Part::ShadingNormals => "shading normals",
             Part::DeltaLights => "point, spot and sun lights",
             Part::Contacts => "order of faces in one place",
@@ -237,6 +244,7 @@ impl Reason {
             Reason::NoTexture => "no surface has a texture",
             Reason::NothingCut => "all of every surface is there",
             Reason::NoGlossySurface => "no surface is glossy",
+            Reason::NoMicrofacets => "no surface is metal, coated or rough by roughness",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
             Reason::NothingTouches => "no two faces lie in one place",
@@ -275,6 +283,7 @@ impl Reason {
             Reason::NoTexture => "a texture",
             Reason::NothingCut => "an opacity",
             Reason::NoGlossySurface => "a glossy surface",
+            Reason::NoMicrofacets => "metal, plastic or rough glass",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",
             Reason::NothingTouches => "faces that touch",

@@ -86,7 +86,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
             let Some(direction) = bsdf.sample_delta(lobe, [u0, u1]) else { continue };
             let way = Branch {
                 ray: s.leave(direction),
-                throughput: bsdf.through_delta(lobe, &throughput),
+                throughput: bsdf.through_delta(lobe, direction, &throughput),
                 length,
                 kind: pcg4d([branch.kind, lobe as u32, s.triangle.material, 2])[0],
                 event: branch.event + 1,

@@ -310,9 +310,15 @@ impl RawMaterial {
             ke: other.ke.or(self.ke),
             tf: other.tf.or(self.tf),
             ni: other.ni.or(self.ni),
-            // Either of exponent and roughness replaces both.
-            ns: other.ns.or(if other.pr.is_some() { None } else { self.ns }),
-            pr: other.pr.or(if other.ns.is_some() { None } else { self.pr }),
+            // Each of exponent, roughness and α replaces the others.
+            ns: other.ns.or(if other.pr.or(other.alpha).is_some() { None } else { self.ns }),
+            pr: other.pr.or(if other.ns.or(other.alpha).is_some() { None } else { self.pr }),
+            alpha: other.alpha.or(if other.ns.or(other.pr).is_some() { None } else { self.alpha }),
+            pm: other.pm.or(self.pm),
+            metal: if other.eta.is_some() { None } else { other.metal.clone().or(self.metal) },
+            eta: other.eta.or(self.eta),
+            k: other.k.or(self.k),
+            saturated: other.saturated.or(self.saturated),
             map_kd,
             textured,
             opacity,

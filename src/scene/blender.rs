@@ -5,12 +5,10 @@
 //! whose colour is Kd; and Tf, which PBR extensions add, is the part of the light that is transmitted.
 
 use super::mtl::{At, Kind, RawMaterial};
-use crate::spectrum::{self, BANDS, Bands};
+use crate::spectrum::{self, BANDS};
 
 /// Reflectance at normal incidence where Ks is 1.
 const REFLECTANCE: f32 = 0.08;
-/// Roughness below which metal is a mirror.
-const SMOOTH: f32 = 0.05;
 /// Exponent Ns where nothing is rough.
 const NS_MOST: f32 = 1000.0;
 
@@ -24,22 +22,18 @@ pub(crate) fn restate(raw: &mut RawMaterial) {
     let transmits = raw.tf.is_some_and(|tf| spectrum::max(&tf.value) > 0.5);
     // a texture is the whole of the colour
     raw.textured = raw.map_kd.as_ref().map(|_| [1.0 - metallic; BANDS]);
-    let scaled =
-        |of: Option<At<Bands>>, factor: f32| of.map(|x| At { value: x.value.map(|v| v * factor), ..x });
     (raw.pr, raw.ns) = (roughness, None);
     if transmits && metallic < 0.5 {
         raw.kind = Some(Kind::Glass);
         // it passes two faces
         raw.tf = raw.kd.map(|kd| At { value: kd.value.map(|v| v.max(0.0).sqrt()), ..kd });
         (raw.kd, raw.ks) = (None, None);
-    } else if metallic > 0.0 {
-        raw.ks = scaled(raw.kd, metallic);
-        raw.kd = scaled(raw.kd, 1.0 - metallic);
-        let illum = if roughness.is_some_and(|r| r.value < SMOOTH) { 3.0 } else { 2.0 };
-        raw.illum = Some(At { value: illum, line: raw.line });
-        raw.tf = None;
     } else {
-        raw.ks = scaled(raw.ks, REFLECTANCE);
-        raw.tf = None;
+        raw.kind = Some(Kind::Principled);
+        let head_on = raw.ks.map_or(0.5, |ks| spectrum::max(&ks.value)) * REFLECTANCE;
+        let root = head_on.clamp(0.0, 0.9).sqrt();
+        raw.ni = Some(At { value: (1.0 + root) / (1.0 - root), line: raw.ni.map_or(raw.line, |ni| ni.line) });
+        raw.pm = Some(At { value: metallic, line: raw.line });
+        (raw.ks, raw.tf) = (None, None);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::MaterialSpectra;
 use super::texture::{Opacity, Texture};
+use crate::spectrum::metal::Metal;
 use crate::spectrum::{BLACK, Bands, is_black};
 use std::sync::Arc;
 
@@ -17,10 +18,12 @@ pub struct Material {
     pub diffuse_texture: Option<Texture>,
     /// How much of the surface is there; all of it where this is none.
     pub opacity: Option<Opacity>,
-    /// Reflectance of the glossy lobe per band (normalised Phong about the mirror direction).
+    /// Reflectance of the glossy lobe per band, of microfacets head on or their tint.
     pub glossy: Bands,
-    /// Phong exponent of the glossy lobe.
+    /// Phong exponent of the glossy lobe, where it is none of microfacets.
     pub glossy_exponent: f32,
+    /// The glossy lobe, or the boundary of a transparent body, is of microfacets.
+    pub facets: Option<Facets>,
     /// Mirror reflectance per band.
     pub specular: Bands,
     /// Glass, water: the boundary of a transparent body.
@@ -29,6 +32,8 @@ pub struct Material {
     pub thin: bool,
     /// Radiance emitted from the front, W/(m² sr) per band.
     pub emission: Bands,
+    /// By wavelength, the index of what [`FacetKind::Conductor`] says in red, green and blue; none where that is all that is known.
+    pub metal: Option<Arc<Metal>>,
     /// What of this is stated by wavelength; its bands say what it is in red, green and blue.
     pub spectra: Option<Arc<MaterialSpectra>>,
 }
@@ -44,6 +49,62 @@ pub struct Dielectric {
     pub transmission_tint: Bands,
 }
 
+/// A surface of tiny mirrors, whose slopes are distributed as GGX has it \[E41\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facets {
+    /// Roughness α of GGX, 0 to 1: the square of what most programs call roughness. 0 is smooth.
+    pub alpha: f32,
+    /// What they are of.
+    pub kind: FacetKind,
+}
+
+/// What reflects, by Fresnel \[E40\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FacetKind {
+    /// Metal of a complex index η + ik, over that of air; `glossy` is a tint.
+    Conductor {
+        /// Real part per band.
+        eta: Bands,
+        /// Imaginary part per band.
+        k: Bands,
+    },
+    /// By Schlick's formula: `glossy` is what is reflected head on. What of it is diffuse lies under a coat of index `ior`.
+    Schlick {
+        /// Of the coat.
+        ior: f32,
+    },
+    /// A clear coat over a diffuse base; `glossy` is a tint.
+    Coat {
+        /// Of the coat.
+        ior: f32,
+        /// What light does under it.
+        inner: Inner,
+    },
+    /// The boundary of a transparent body: its index and tints are those of the dielectric.
+    Interface,
+}
+
+impl FacetKind {
+    /// Index of the coat over what is diffuse; none where there is none.
+    pub(crate) fn coat(self) -> Option<f32> {
+        match self {
+            Self::Schlick { ior } | Self::Coat { ior, .. } => Some(ior),
+            Self::Conductor { .. } | Self::Interface => None,
+        }
+    }
+}
+
+/// What light does between a diffuse base and the coat over it \[E42\].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Inner {
+    /// It leaves at once: some of it is lost.
+    Once,
+    /// It is reflected to and fro without taking on more of the base's colour: white stays white.
+    Even,
+    /// Each turn takes on the base's colour, which becomes more saturated.
+    Coloured,
+}
+
 impl Material {
     /// A matte material that neither emits nor mirrors.
     pub fn matte(name: impl Into<String>, diffuse: Bands) -> Self {
@@ -54,10 +115,12 @@ impl Material {
             opacity: None,
             glossy: BLACK,
             glossy_exponent: 0.0,
+            facets: None,
             specular: BLACK,
             dielectric: None,
             thin: false,
             emission: BLACK,
+            metal: None,
             spectra: None,
         }
     }

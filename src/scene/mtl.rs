@@ -10,6 +10,7 @@ use super::texture::stated::StatedTexture;
 use super::warnings::Warnings;
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
+use crate::spectrum::metal::Metal;
 use crate::spectrum::{BANDS, Bands, Spectrum, from_rgb};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -34,6 +35,12 @@ pub(crate) enum Kind {
     Glass,
     /// Kd is matte, Ks is a lobe.
     Glossy,
+    /// Metal, by its index or its colour.
+    Metal,
+    /// Kd is matte under a clear coat.
+    Plastic,
+    /// Kd is a base colour, of metal and of plastic in parts.
+    Principled,
 }
 
 /// What of a material is stated by wavelength, beside the bands that it makes.
@@ -84,8 +91,18 @@ pub(crate) struct RawMaterial {
     pub(crate) ns: Option<At<f32>>,
     /// Roughness of the PBR extension.
     pub(crate) pr: Option<At<f32>>,
-    /// Metallic part of the PBR extension: likewise.
+    /// Metallic part of the PBR extension.
     pub(crate) pm: Option<At<f32>>,
+    /// Set by a scene file: roughness α of GGX, instead of `pr`.
+    pub(crate) alpha: Option<At<f32>>,
+    /// Set by a scene file: a metal by its name.
+    pub(crate) metal: Option<Metal>,
+    /// Set by a scene file: the real part of a metal's index.
+    pub(crate) eta: Option<At<Bands>>,
+    /// Set by a scene file: the imaginary part.
+    pub(crate) k: Option<At<Bands>>,
+    /// Set by a scene file: light takes on more of a base's colour with each turn under its coat.
+    pub(crate) saturated: Option<At<bool>>,
     /// Opacity.
     pub(crate) d: Option<At<f32>>,
     /// Transparency, or opacity in old files.

@@ -11,7 +11,8 @@
 //! 3. **Mirror** where illum is 3, 5 or 8: specular = Ks, diffuse = Kd.
 //! 4. **Matte** where illum is 0 or 1: diffuse = Kd.
 //! 5. Everything else (2, 10, absent): diffuse = Kd and, where Ks is not black, a **glossy** lobe Ks with exponent
-//!    Ns, else 2/Pr⁴ − 2, else 10; kept in 1 … 10⁶.
+//!    Ns, else 10; kept in 1 … 10⁶. Where the material states Pr, the lobe is of microfacets; where it states Pm, or Pr and no Ks,
+//!    the material is principled (`facets.rs`), as are those of glass rough by Pr.
 //! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. map_Kd multiplies Kd; where Kd is black or
 //!    absent it stands alone, and in Blender's libraries it always does. Where it cannot be read, such a Kd is grey 0.5.
 //! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor; of a texture the largest texel
@@ -23,7 +24,7 @@ use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
 use super::texture::{Opacity, Texture};
 use super::warnings::{Named, Warnings};
-use super::{Dielectric, Material, MaterialSpectra};
+use super::{Dielectric, Material, MaterialSpectra, facets};
 use crate::spectrum::{self, BANDS, BLACK, Bands, Spectrum};
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -73,6 +74,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
             warn(Some(stated.line), "textures of a glass are not read");
         }
         result.dielectric = Some(dielectric(raw, &mut warn));
+        facets::apply(raw, kind, &mut result);
         result.spectra = spectra(raw, kind);
         return Ok(result);
     }
@@ -89,6 +91,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     result.diffuse_texture = colour;
     result.spectra = spectra(raw, kind);
     match kind {
+        _ if facets::apply(raw, kind, &mut result) => return Ok(result),
         Kind::Mirror => {
             let diffuse = spectrum::mul(&result.diffuse, &most);
             result.specular = raw.ks.map_or(mirror_default(raw, &diffuse), |ks| ks.value);
@@ -97,7 +100,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
             result.glossy = ks;
             result.glossy_exponent = exponent(raw);
         }
-        Kind::Matte | Kind::Glossy | Kind::Glass => {}
+        _ => {}
     }
     let matte = spectrum::mul(&result.diffuse, &most);
     let albedo = spectrum::add(&spectrum::add(&matte, &result.glossy), &result.specular);
@@ -119,8 +122,8 @@ fn spectra(raw: &RawMaterial, kind: Kind) -> Option<Arc<MaterialSpectra>> {
     let of = |is_meant: bool, spectrum: Option<Spectrum>| spectrum.filter(|_| is_meant);
     let is_glass = kind == Kind::Glass;
     let spectra = MaterialSpectra {
-        diffuse: of(!is_glass, kd),
-        glossy: of(kind == Kind::Glossy, ks.clone()),
+        diffuse: of(!is_glass && kind != Kind::Principled, kd),
+        glossy: of(matches!(kind, Kind::Glossy | Kind::Metal | Kind::Plastic), ks.clone()),
         specular: of(is_glass || kind == Kind::Mirror, ks),
         transmission: of(is_glass, tf),
         emission: ke,
@@ -137,6 +140,7 @@ fn kind(raw: &RawMaterial) -> Kind {
         5 | 8 | 10 if transmits(raw) => Kind::Glass,
         3 | 5 | 8 => Kind::Mirror,
         0 | 1 => Kind::Matte,
+        _ if raw.pm.is_some() || (raw.pr.is_some() && raw.ks.is_none()) => Kind::Principled,
         _ => Kind::Glossy,
     }
 }
@@ -230,8 +234,7 @@ fn mirror_default(raw: &RawMaterial, diffuse: &Bands) -> Bands {
 }
 
 fn exponent(raw: &RawMaterial) -> f32 {
-    let from_roughness = raw.pr.map(|pr| 2.0 / pr.value.powi(4) - 2.0);
-    let exponent = raw.ns.map(|ns| ns.value).or(from_roughness).unwrap_or(DEFAULT_EXPONENT);
+    let exponent = raw.ns.map_or(DEFAULT_EXPONENT, |ns| ns.value);
     exponent.clamp(*EXPONENT_RANGE.start(), *EXPONENT_RANGE.end())
 }
 
@@ -241,7 +244,16 @@ fn check(raw: &RawMaterial) -> Result<()> {
         let what = format!("material \"{}\": {key} {what}", raw.name);
         Err(Error::scene(&raw.file, Some(line), what, "give finite values of at least 0"))
     };
-    for (key, value) in [("Kd", raw.kd), ("Ks", raw.ks), ("Ke", raw.ke), ("Tf", raw.tf), ("Kt", raw.kt)] {
+    let bands = [
+        ("Kd", raw.kd),
+        ("Ks", raw.ks),
+        ("Ke", raw.ke),
+        ("Tf", raw.tf),
+        ("Kt", raw.kt),
+        ("eta", raw.eta),
+        ("k", raw.k),
+    ];
+    for (key, value) in bands {
         let Some(At { value, line }) = value else { continue };
         if value.iter().any(|band| !band.is_finite()) {
             return fail(line, key, "is not finite");
@@ -250,7 +262,16 @@ fn check(raw: &RawMaterial) -> Result<()> {
             return fail(line, key, "is negative");
         }
     }
-    for (key, value) in [("Ns", raw.ns), ("Pr", raw.pr), ("d", raw.d), ("Tr", raw.tr), ("illum", raw.illum)] {
+    let numbers = [
+        ("Ns", raw.ns),
+        ("Pr", raw.pr),
+        ("Pm", raw.pm),
+        ("alpha", raw.alpha),
+        ("d", raw.d),
+        ("Tr", raw.tr),
+        ("illum", raw.illum),
+    ];
+    for (key, value) in numbers {
         let Some(At { value, line }) = value else { continue };
         if !value.is_finite() {
             return fail(line, key, "is not finite");

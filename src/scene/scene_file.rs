@@ -13,6 +13,7 @@ use super::text;
 use super::texture::entry;
 use super::transform::Transform;
 use crate::spectrum::lamp::Emission;
+use crate::spectrum::metal::Metal;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -192,8 +193,24 @@ fn material_entry(table: Table, path: &Path) -> Result<MaterialEntry> {
 }
 
 /// What may be said of a material.
-const MATERIAL_KEYS: [&str; 10] =
-    ["type", "kd", "ks", "ke", "ior", "tint", "exponent", "roughness", "thin", "opacity"];
+const MATERIAL_KEYS: [&str; 16] = [
+    "type",
+    "kd",
+    "ks",
+    "ke",
+    "ior",
+    "tint",
+    "exponent",
+    "roughness",
+    "thin",
+    "alpha",
+    "metal",
+    "eta",
+    "k",
+    "metallic",
+    "saturated",
+    "opacity",
+];
 
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
 fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
@@ -204,12 +221,15 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         Some(("mirror", _)) => Some(Kind::Mirror),
         Some(("glass", _)) => Some(Kind::Glass),
         Some(("glossy", _)) => Some(Kind::Glossy),
+        Some(("metal", _)) => Some(Kind::Metal),
+        Some(("plastic", _)) => Some(Kind::Plastic),
+        Some(("principled", _)) => Some(Kind::Principled),
         Some((other, line)) => {
             return Err(table.unknown(
                 line,
                 "type of material",
                 other,
-                &["matte", "mirror", "glass", "glossy"],
+                &["matte", "mirror", "glass", "glossy", "metal", "plastic", "principled"],
             ));
         }
     };
@@ -224,6 +244,21 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
     ];
     let (ke, ke_spectrum) = spectrum_entry::emission(table, "ke")?;
     let (ni, index) = spectrum_entry::index(table, "ior")?;
+    let metal = match table.optional_string("metal")? {
+        None => None,
+        Some(At { value, line }) => {
+            let metal = Metal::named(&value);
+            Some(metal.ok_or_else(|| table.unknown(line, "metal", &value, &Metal::names()))?)
+        }
+    };
+    let (eta, k) = (table.bands("eta")?, table.bands("k")?);
+    if let (Some(At { line, .. }), None) | (None, Some(At { line, .. })) = (eta, k) {
+        return Err(table.fault(
+            line,
+            "an index with one of its parts",
+            "give eta and k, or the name of a metal",
+        ));
+    }
     Ok(RawMaterial {
         name,
         file: path.to_owned(),
@@ -241,6 +276,12 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         map_kd,
         map_d,
         opacity,
+        pm: single(table.number("metallic")?),
+        alpha: single(table.number("alpha")?),
+        metal,
+        eta,
+        k,
+        saturated: table.boolean("saturated")?,
         ..Default::default()
     })
 }

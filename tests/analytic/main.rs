@@ -13,6 +13,7 @@ mod direct;
 mod discs;
 mod estimate;
 mod exchange;
+mod facets;
 mod factors;
 mod furnace;
 mod glass;

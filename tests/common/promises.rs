@@ -15,7 +15,10 @@ pub fn check(scene: &Scene) {
     }
     for m in &scene.materials {
         for band in 0..m.diffuse.len() {
-            let albedo = m.diffuse[band] + m.glossy[band] + m.specular[band];
+            // what reflects by Fresnel shares out what it gets
+            let lobes = [m.diffuse[band], m.glossy[band], m.specular[band]];
+            let albedo =
+                if m.facets.is_some() { lobes.into_iter().fold(0.0, f32::max) } else { lobes.iter().sum() };
             // Three sums of rounded f32.
             assert!((0.0..=1.0 + 1e-6).contains(&albedo), "{m:?}");
             assert!(m.emission[band] >= 0.0 && m.emission[band].is_finite());

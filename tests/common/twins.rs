@@ -4,7 +4,7 @@ use super::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
 use joton::plan::{Part, Reason};
 use joton::scene::texture::{Bitmap, Filter, Opacity, Space, Texels, Texture};
-use joton::scene::{Light, Material, MaterialSpectra, Scene};
+use joton::scene::{FacetKind, Facets, Inner, Light, Material, MaterialSpectra, Scene};
 use joton::spectrum::glass::Index;
 use std::path::Path;
 use std::sync::Arc;
@@ -240,6 +240,10 @@ pub fn all(size: u32) -> Vec<Twins> {
     let glossy = |m: &mut Material| {
         (m.glossy, m.glossy_exponent) = if m.name == "white" { ([0.2; 3], 30.0) } else { ([0.0; 3], 0.0) };
     };
+    let coated = |m: &mut Material| {
+        let kind = FacetKind::Coat { ior: 1.5, inner: Inner::Even };
+        (m.glossy, m.facets) = ([1.0; 3], Some(Facets { alpha: 0.2, kind }));
+    };
     let sunny = |mut scene: Scene| {
         let direction = DVec3::new(0.3, -1.0, 0.5).normalize();
         scene.lights.push(Light::Sun { direction, irradiance: [1.0; 3] });
@@ -356,6 +360,12 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NoGlossySurface,
             cornell(),
             case("cornell, glossy", changed(file("cornell", size), glossy)),
+        ),
+        twins(
+            Part::Microfacets,
+            Reason::NoMicrofacets,
+            case("cornell, glossy", changed(file("cornell", size), glossy)),
+            case("cornell, coated", changed(file("cornell", size), coated)),
         ),
         twins(
             Part::ShadingNormals,

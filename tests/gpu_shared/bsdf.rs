@@ -262,11 +262,12 @@ fn weights_share_out_the_flux() {
     let snippet = Snippet {
         imports: BSDF,
         declarations: MATERIALS,
-        code: "let w = lobe_weights(materials[u32(in_f(0u).w)], in_f(0u).xyz, Bands(in_f(1u).x));
+        code:
+            "let w = lobe_weights(materials[u32(in_f(0u).w)], in_f(0u).xyz, AtAngle(Bands(in_f(1u).x), 1.0));
             let r = roulette(w, u32(in_f(1u).y));
-            out_f(0u, vec4(w.lambert, w.phong, w.mirror, w.reflection));
+            out_f(0u, vec4(w.diffuse, w.glossy, w.mirror, w.reflection));
             out_f(1u, vec4(w.transmission, r.transmission, 0.0, 0.0));
-            out_f(2u, vec4(r.lambert, r.phong, r.mirror, r.reflection));",
+            out_f(2u, vec4(r.diffuse, r.glossy, r.mirror, r.reflection));",
         overrides: &[],
     };
     let mut harness = with_materials(context, &materials);

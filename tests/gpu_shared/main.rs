@@ -8,6 +8,7 @@ mod disc;
 mod disc_count;
 mod emit;
 mod emitter;
+mod facets;
 mod grid;
 mod intersect;
 mod live;

@@ -95,7 +95,7 @@ fn specular_events_mirror_and_refract() {
     let code = "let me = u32(in_f(0u).w); let n = in_f(1u).xyz; let front = in_f(1u).w > 0.5;
         let s = sample_delta(material_at(me / 16u), me % 16u, in_f(0u).xyz, n, n, front, in_f(2u).xy);
         out_f(0u, vec4(s.direction, s.radiance_scale));
-        out_u(1u, vec4(select(0u, 1u, s.weight > 0.0),
+        out_u(1u, vec4(select(0u, 1u, s.weight.x > 0.0),
             bitcast<u32>(dielectric_reflectance(material_at(me / 16u), n, in_f(0u).xyz, front).x), 0u, 0u));";
     let out: Vec<[Row; 2]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);
     let mut below = 0;
@@ -152,7 +152,7 @@ fn panes_bend_nothing() {
     let code = "let d = in_f(0u).xyz; let n = in_f(1u).xyz; let front = in_f(0u).w > 0.5;
         let s = sample_delta(material_at(4), LOBE_TRANSMISSION, d, n, n, front, vec2(0.5));
         out_f(0u, vec4(s.direction, s.radiance_scale));
-        out_f(1u, vec4(dielectric_reflectance(material_at(4), n, d, front).x, s.weight, 0.0, 0.0));";
+        out_f(1u, vec4(dielectric_reflectance(material_at(4), n, d, front).x, s.weight.x, 0.0, 0.0));";
     let out: Vec<[Row; 2]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);
     let mut sides = [0; 2];
     for (i, [o, more]) in inputs.iter().zip(out) {

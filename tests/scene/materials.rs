@@ -1,7 +1,7 @@
 //! Materials: libraries of MTL, and the rule that decides what a material is.
 
 use crate::folder::{Folder, TRIANGLE, load_obj, refused, warned, with_mtl};
-use joton::scene::Material;
+use joton::scene::{FacetKind, Material};
 use joton::spectrum::Bands;
 
 fn material(statements: &str) -> Material {
@@ -127,20 +127,11 @@ fn illum_tells_mirror_and_matte() {
     }
 }
 
-/// Rule 5: illum 2 or none with Ks is glossy; the exponent is Ns, else from Pr, else 10, within 1 and 10⁶.
+/// Rule 5: illum 2 or none with Ks is glossy; the exponent is Ns, else 10, within 1 and 10⁶; with Pr the lobe is of microfacets.
 #[test]
 fn ks_is_a_lobe() {
     for illum in ["", "illum 2\n"] {
-        for (roughness, exponent) in [
-            ("Ns 50", 50.0),
-            ("Pr 0.5", 30.0),
-            ("Ns 50\nPr 0.5", 50.0),
-            ("", 10.0),
-            ("Ns 0", 1.0),
-            ("Ns 1e9", 1e6),
-            ("Pr 0", 1e6),
-            ("Pr 1", 1.0),
-        ] {
+        for (roughness, exponent) in [("Ns 50", 50.0), ("", 10.0), ("Ns 0", 1.0), ("Ns 1e9", 1e6)] {
             let m = material(&format!("{illum}Kd .3 .3 .3\nKs .5 .5 .5\n{roughness}"));
             assert_eq!(
                 (m.glossy, m.glossy_exponent, m.diffuse),
@@ -149,6 +140,14 @@ fn ks_is_a_lobe() {
             );
         }
         assert_eq!(material(&format!("{illum}Kd .3 .3 .3\nKs 0 0 0\nNs 10")).glossy_exponent, 0.0);
+        for (roughness, alpha) in
+            [("Pr 0.5", 0.25), ("Ns 50\nPr 0.5", 0.25), ("Pr 0", 0.0), ("Pr 1", 1.0), ("Pr 9", 1.0)]
+        {
+            let m = material(&format!("{illum}Kd .3 .3 .3\nKs .25 .25 .25\n{roughness}"));
+            let facets = m.facets.expect("microfacets");
+            assert_eq!((m.glossy, m.diffuse, facets.alpha), ([0.25; 3], [0.3; 3], alpha), "{roughness}");
+            assert_eq!(facets.kind, FacetKind::Schlick { ior: 3.0 }, "a coat that reflects as much head on");
+        }
     }
 }
 
@@ -225,16 +224,20 @@ fn blender_means_what_it_says_there() {
     let is_near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
     let plastic = blender("Kd .8 .4 .2\nKs .5 .5 .5\nillum 2\nPr .5\nPm 0");
     assert!(is_near(plastic.diffuse, [0.8, 0.4, 0.2]) && is_near(plastic.glossy, [0.04; 3]), "{plastic:?}");
-    assert_eq!(plastic.glossy_exponent, 30.0, "2 / r^4 - 2");
+    let alpha = |m: &Material| m.facets.expect("microfacets").alpha;
+    assert_eq!(alpha(&plastic), 0.25, "roughness squared");
+    let head_on = |ior: f32| ((ior - 1.0) / (ior + 1.0)).powi(2);
+    let of_ks = |m: &Material| matches!(m.facets.unwrap().kind, FacetKind::Schlick { ior } if (head_on(ior) - 0.04).abs() < 1e-6);
+    assert!(of_ks(&plastic), "the coat is that of Ks: {plastic:?}");
     let by_ns = blender("Kd .8 .4 .2\nKs .5 .5 .5\nillum 2\nNs 250");
-    assert!((by_ns.glossy_exponent - 30.0).abs() < 1e-3, "{by_ns:?}");
+    assert!((alpha(&by_ns) - 0.25).abs() < 1e-5, "{by_ns:?}");
     for metal in ["Pr .25\nPm 1", "Ka 1 1 1\nNs 562.5"] {
         let gold = blender(&format!("Kd 1 .77 .34\nKs .5 .5 .5\nillum 3\n{metal}"));
         assert!(is_near(gold.glossy, [1.0, 0.77, 0.34]) && is_near(gold.diffuse, [0.0; 3]), "{gold:?}");
-        assert!((gold.glossy_exponent / 510.0 - 1.0).abs() < 1e-3, "{gold:?}");
+        assert!((alpha(&gold) - 0.0625).abs() < 1e-5, "{gold:?}");
     }
     let mirror = blender("Kd 1 .77 .34\nKs .5 .5 .5\nillum 3\nPr 0\nPm 1");
-    assert!(is_near(mirror.specular, [1.0, 0.77, 0.34]) && is_near(mirror.glossy, [0.0; 3]), "{mirror:?}");
+    assert!(is_near(mirror.glossy, [1.0, 0.77, 0.34]) && alpha(&mirror) == 0.0, "{mirror:?}");
     let glass = blender("Kd 1 .81 1\nKs .5 .5 .5\nillum 2\nPr 0\nPm 0\nTf 1 1 1").dielectric.expect("glass");
     assert!(glass.ior == 1.45 && is_near(glass.transmission_tint, [1.0, 0.9, 1.0]), "{glass:?}");
     let other = load("# by hand", "Kd .4 .4 .2\nKs .5 .5 .5\nillum 2\nNs 250");

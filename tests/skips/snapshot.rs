@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 25] = [
+const REASONS: [Reason; 26] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -51,6 +51,7 @@ const REASONS: [Reason; 25] = [
     Reason::NothingCut,
     Reason::NothingDisperses,
     Reason::NoGlossySurface,
+    Reason::NoMicrofacets,
     Reason::AllFlat,
     Reason::AllLightsAreSurfaces,
     Reason::NothingTouches,

@@ -49,8 +49,8 @@ fn host_lobes_are_what_they_say() {
         for (view, wo) in views().into_iter().enumerate() {
             let ask = |w: DVec3| {
                 let wi = w.as_vec3();
-                let f = |a, b| f64::from(Scatter::of(m).eval(a, b, NORMAL)[0]);
-                [f64::from(Scatter::of(m).pdf(wi, wo, NORMAL)), f(wi, wo), f(wo, wi)]
+                let f = |a, b| f64::from(Scatter::of(m, b, NORMAL).eval(a, b, NORMAL)[0]);
+                [f64::from(Scatter::of(m, wo, NORMAL).pdf(wi, wo, NORMAL)), f(wi, wo), f(wo, wi)]
             };
             let answers: Vec<Answer> = around(wo).grid().map(|(w, _)| ask(w)).collect();
             check(m, view, &format!("host, material {i}, view {view}"), &answers);

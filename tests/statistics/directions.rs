@@ -10,7 +10,7 @@ use joton::backend::cpu::harness::mirror_lobe;
 use joton::optics::shading::bsdf::Scatter;
 use joton::packed::{PackedMaterial, PackedScene};
 use joton::sampling::distributions::{cone, cosine_hemisphere, disc, phong_lobe, sphere, triangle};
-use joton::scene::Material;
+use joton::scene::{FacetKind, Facets, Inner, Material};
 use std::f64::consts::{PI, TAU};
 
 /// Samples of each law: a deviation of one per cent, root mean square over the bins, is found on the host.
@@ -149,7 +149,7 @@ fn surface_laws(materials: &[PackedMaterial], rough: usize) -> Vec<Law> {
                 host: if mirror {
                     Box::new(move |u| mirror_lobe(&m, wo, NORMAL, [u[0], u[1]]))
                 } else {
-                    Box::new(move |u| Scatter::of(&m).sample(wo, NORMAL, u[2], [u[0], u[1]]))
+                    Box::new(move |u| Scatter::of(&m, wo, NORMAL).sample(wo, NORMAL, u[2], [u[0], u[1]]))
                 },
                 device: if mirror {
                     let (d, n) = (wgsl(-wo), wgsl(NORMAL));
@@ -158,6 +158,71 @@ fn surface_laws(materials: &[PackedMaterial], rough: usize) -> Vec<Law> {
                     )
                 } else {
                     format!("sample_scatter(material_at({i}), {}, {}, u.xyz)", wgsl(NORMAL), wgsl(wo))
+                },
+            });
+        }
+    }
+    laws
+}
+
+/// Microfacets, of metal and over a base: those that are followed first.
+fn faceted() -> Vec<PackedMaterial> {
+    let make = |diffuse, alpha, kind| {
+        let facets = Some(Facets { alpha, kind });
+        PackedMaterial::new(&Material { glossy: [1.0; 3], facets, ..Material::matte("f", diffuse) })
+    };
+    let gold = FacetKind::Conductor { eta: [0.2, 0.4, 1.4], k: [3.3, 2.4, 1.9] };
+    let mut all: Vec<PackedMaterial> =
+        [0.02, 0.08, 0.15, 0.4, 1.0].map(|alpha| make([0.0; 3], alpha, gold)).into();
+    all.push(make([0.7, 0.2, 0.1], 0.3, FacetKind::Coat { ior: 1.5, inner: Inner::Even }));
+    all
+}
+
+/// Density of the samples of microfacets about [`NORMAL`]: Smith's Λ and GGX by tangents.
+fn facet_density(alpha: f64, wo: DVec3, w: DVec3) -> f64 {
+    let n = NORMAL.as_dvec3().normalize();
+    let tan2 = |cos: f64| 1.0 / (cos * cos) - 1.0;
+    let (h, co) = ((wo + w).normalize().dot(n), wo.dot(n));
+    let stretched = alpha * h * h * (1.0 + tan2(h) / (alpha * alpha));
+    let lambda = ((1.0 + alpha * alpha * tan2(co)).sqrt() - 1.0) / 2.0;
+    1.0 / (PI * stretched * stretched) / (4.0 * co * (1.0 + lambda))
+}
+
+/// Sampling of microfacets; their materials are numbered from `first`.
+fn facet_laws(first: usize) -> Vec<Law> {
+    let n = NORMAL.as_dvec3().normalize();
+    let mut laws = Vec::new();
+    for (view, wo) in views().into_iter().enumerate() {
+        let mirrored = (2.0 * n * n.dot(wo.as_dvec3()) - wo.as_dvec3()).normalize();
+        for (i, m) in faceted().into_iter().enumerate() {
+            let alpha = f64::from(m.alpha);
+            let is_followed = m.has_narrow_lobe();
+            assert_eq!(is_followed, alpha < 0.081);
+            // what of the base and of the coat is sampled, by Fresnel's amplitudes
+            let (co, ior) = (wo.as_dvec3().dot(n), f64::from(m.ior));
+            let inner = (1.0 - (1.0 - co * co) / (ior * ior)).sqrt();
+            let [s, p] = [[co, ior * inner], [ior * co, inner]].map(|[a, b]| ((a - b) / (a + b)).powi(2));
+            let base = f64::from(m.diffuse[0]) * (1.0 - 0.5 * (s + p)) * f64::from(m.coat_transmittance);
+            let share = if m.diffuse[0] > 0.0 { base / (base + 0.5 * (s + p)) } else { 0.0 };
+            let number = first + i;
+            let (d, normal, o) = (wgsl(-wo), wgsl(NORMAL), wgsl(wo));
+            laws.push(Law {
+                name: format!("microfacets of material {i}, view {view}"),
+                // the tails are long: a narrow lobe's lie in the rest
+                cap: Cap::new(mirrored, (200.0 * alpha * alpha).min(2.0)),
+                density: Box::new(move |w| match w.dot(n) > 0.0 {
+                    false => 0.0,
+                    true => share * w.dot(n) / PI + (1.0 - share) * facet_density(alpha, wo.as_dvec3(), w),
+                }),
+                host: if is_followed {
+                    Box::new(move |u| mirror_lobe(&m, wo, NORMAL, [u[0], u[1]]))
+                } else {
+                    Box::new(move |u| Scatter::of(&m, wo, NORMAL).sample(wo, NORMAL, u[2], [u[0], u[1]]))
+                },
+                device: if is_followed {
+                    format!("sample_delta(material_at({number}), LOBE_MIRROR, {d}, {normal}, {normal}, true, u.xy).direction")
+                } else {
+                    format!("sample_scatter(material_at({number}), {normal}, {o}, u.xyz)")
                 },
             });
         }
@@ -198,7 +263,7 @@ fn host_directions_follow_their_laws() {
     }
     let (materials, lobes) = all_materials();
     let n = NORMAL.as_dvec3();
-    for law in surface_laws(&materials, lobes) {
+    for law in surface_laws(&materials, lobes).into_iter().chain(facet_laws(0)) {
         let samples = draws(11, HOST_COUNT).map(|u| (law.host)(u).and_then(|w| above(w.as_dvec3(), n)));
         claims.add(&law.name, law.cap.test(samples, &law.density));
     }
@@ -210,12 +275,13 @@ fn device_directions_follow_their_laws() {
     let context = device_or_return!();
     let mut device = Device::new(context, &any_scene(), 0);
     let (materials, lobes) = all_materials();
-    device.materials(&materials);
+    device.materials(&[materials.clone(), faceted()].concat());
     let inputs = inputs(12, DEVICE_COUNT);
     let mut claims = Claims::default();
     let n = NORMAL.as_dvec3();
     let laws = plain_laws().into_iter().map(|l| (l, false));
-    for (law, surface) in laws.chain(surface_laws(&materials, lobes).into_iter().map(|l| (l, true))) {
+    let on_surfaces = surface_laws(&materials, lobes).into_iter().chain(facet_laws(materials.len()));
+    for (law, surface) in laws.chain(on_surfaces.map(|l| (l, true))) {
         let code = format!("let u = in_f(0u); out_f(0u, vec4({}, 0.0));", law.device);
         let out: Vec<[Row; 1]> = device.run(&code, (false, 1), &inputs);
         let samples = out.iter().map(|o| dvec3(o[0])).map(|w| if surface { above(w, n) } else { Some(w) });

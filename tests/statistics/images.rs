@@ -12,7 +12,7 @@ use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
 use joton::packed::PackedScene;
 use joton::plan::Plan;
-use joton::scene::{MaterialSpectra, Scene};
+use joton::scene::{FacetKind, Facets, Inner, MaterialSpectra, Scene};
 use joton::spectrum::cie::Illuminant;
 use joton::spectrum::glass::Index;
 use joton::spectrum::lamp::Emission;
@@ -84,10 +84,12 @@ fn device_and_host_agree_in_every_layer() {
     const PASSES: u64 = 4;
     let mut claims = Claims::default();
     let colours_part = ("spheres of flint", by_wavelength(file("spheres.toml", SIZE)));
+    let rough_spheres = ("rough spheres", rough(file("spheres.toml", SIZE)));
     let names = ["cornell.toml", "spheres.toml", "pool.toml", "ring.toml"];
     let cornell = || file("cornell.toml", SIZE);
     let others = [
         colours_part,
+        rough_spheres,
         ("textured cornell", with_board(cornell())),
         ("textured cornell by wavelength", by_wavelength(with_board(cornell()))),
         ("cornell with holes", with_holes(cornell())),
@@ -145,6 +147,24 @@ fn by_wavelength(mut scene: Scene) -> Scene {
     scene
 }
 
+/// The scene with microfacets: coated and half-metal walls, and what was glass and mirror rough.
+fn rough(mut scene: Scene) -> Scene {
+    let gold = FacetKind::Conductor { eta: [0.2, 0.4, 1.4], k: [3.3, 2.4, 1.9] };
+    for m in &mut scene.materials {
+        let (glossy, alpha, kind) = match m.name.as_str() {
+            "green" => ([1.0; 3], 0.25, FacetKind::Coat { ior: 1.5, inner: Inner::Even }),
+            "red" => ([0.4, 0.1, 0.1], 0.5, FacetKind::Schlick { ior: 1.5 }),
+            "glass" => ([0.0; 3], 0.1, FacetKind::Interface),
+            "mirror" => ([1.0; 3], 0.06, gold),
+            "light" => ([1.0; 3], 0.0, FacetKind::Coat { ior: 1.4, inner: Inner::Coloured }),
+            _ => continue,
+        };
+        (m.specular, m.glossy) = ([0.0; 3], glossy);
+        m.facets = Some(Facets { alpha, kind });
+    }
+    scene
+}
+
 /// Part of the plan's radii, caustic and diffuse, at which the maps are held against the path tracer. With the plan's own
 /// the small images here have 2.9 % less light in the caustic layer (its discs lose what lies beyond an edge: -1.4 % at an
 /// eighth, -0.8 % at a sixteenth of the radius) and 0.8 % more in the diffuse one (0.1 % at three tenths): bias. At these
@@ -171,6 +191,7 @@ fn maps_agree_with_the_path_tracer() {
         ("textured cornell", with_board(file("cornell.toml", SIZE))),
         ("cornell with holes", with_holes(file("cornell.toml", SIZE))),
         ("glowing spheres of flint", by_wavelength(spheres_under_a_glowing_ceiling())),
+        ("glowing rough spheres", rough(spheres_under_a_glowing_ceiling())),
     ] {
         let scene = pack(&scene);
         let paths = pictures(Side::PathTracer, &scene, EVERYTHING, 0..SEEDS, PATHS, |_| ());

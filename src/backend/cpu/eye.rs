@@ -130,7 +130,7 @@ pub(super) fn follow<'a>(
             return path;
         }
         let chance = shares.delta[lobe] / ways * survival;
-        throughput = scale(&bsdf.through_delta(lobe, &throughput), 1.0 / chance);
+        throughput = scale(&bsdf.through_delta(lobe, direction, &throughput), 1.0 / chance);
         ray = s.leave(direction);
     }
     tally.truncated += 1;

@@ -95,7 +95,7 @@ fn tree(
                 if let Some(direction) = bsdf.sample_delta(1 - lesser, [u0, u1]) {
                     waiting[count] = Way {
                         ray: s.leave(direction),
-                        throughput: bsdf.through_delta(1 - lesser, &throughput),
+                        throughput: bsdf.through_delta(1 - lesser, direction, &throughput),
                         splits: splits.after(&shares, 1 - lesser),
                         events: events + 1,
                         length,
@@ -118,7 +118,7 @@ fn tree(
                 break;
             }
             let chance = survival * shares.delta[lobe] / kept;
-            throughput = scale(&bsdf.through_delta(lobe, &throughput), 1.0 / chance);
+            throughput = scale(&bsdf.through_delta(lobe, direction, &throughput), 1.0 / chance);
             ray = s.leave(direction);
         }
     }

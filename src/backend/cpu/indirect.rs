@@ -159,7 +159,7 @@ fn follow<'a>(
             return None;
         }
         let chance = shares.delta[lobe] / kept * survival;
-        throughput = scale(&bsdf.through_delta(lobe, &throughput), 1.0 / chance);
+        throughput = scale(&bsdf.through_delta(lobe, direction, &throughput), 1.0 / chance);
         ray = s.leave(direction);
         *events += 1;
     }

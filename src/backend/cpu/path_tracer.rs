@@ -205,9 +205,12 @@ impl<'a> Path<'a> {
                 }
                 self.events.push(Event::S);
                 pdf_last = None;
-                throughput = bsdf.through_delta(lobe, &arriving);
-                eta_squared *= bsdf.delta[lobe].radiance_scale();
-                bsdf.sample_delta(lobe, [u0, u1])
+                let leaving = bsdf.sample_delta(lobe, [u0, u1]);
+                if let Some(w) = leaving {
+                    throughput = bsdf.through_delta(lobe, w, &arriving);
+                    eta_squared *= bsdf.radiance_scale(lobe);
+                }
+                leaving
             };
             let Some(direction) = leaving else { return };
             if self.events.len() > CERTAIN_EVENTS {

@@ -141,8 +141,11 @@ impl Tracer<'_> {
                     let arrives = scale(&flux, adjoint_in / probabilities.ways[way]);
                     mul(&arrives, &scattered(&s, &probabilities.bsdf, w))
                 }
-                Some(w) if s.smooth => scale(&kept, specular_adjoint(&s, w)),
-                Some(_) => kept,
+                Some(w) => {
+                    let through = probabilities.bsdf.flux_through_delta(way - 1, w, &flux);
+                    let goes_on = scale(&through, 1.0 / probabilities.ways[way]);
+                    if s.smooth { scale(&goes_on, specular_adjoint(&s, w)) } else { goes_on }
+                }
                 None => [0.0; BANDS],
             };
             if !CAUSTIC {

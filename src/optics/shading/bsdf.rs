@@ -5,8 +5,9 @@
 
 use crate::optics::shading::dielectric::in_one_band;
 use crate::optics::shading::frame::Frame;
-use crate::optics::shading::phong::Phong;
-use crate::optics::shading::{DELTA_MOST, DeltaLobe, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes};
+use crate::optics::shading::{
+    DELTA_MOST, DeltaLobe, Narrow, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes,
+};
 use crate::packed::PackedMaterial;
 use crate::packed::constants::NARROW_STOPS;
 use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
@@ -25,9 +26,9 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Of a material.
-    pub fn of(m: &PackedMaterial) -> Self {
-        let lobes = scatter_lobes(m);
+    /// Of a material seen from `wo`, about `n`.
+    pub fn of(m: &PackedMaterial, wo: Vec3, n: Vec3) -> Self {
+        let lobes = scatter_lobes(m, wo.dot(n));
         let albedo = lobes.iter().fold(BLACK, |sum, lobe| add(&sum, &lobe.albedo()));
         Self { albedo, lobes }
     }
@@ -100,15 +101,18 @@ pub(crate) struct Bsdf {
 impl Bsdf {
     /// Of a material, in a frame.
     pub(crate) fn new(m: &PackedMaterial, frame: Frame) -> Self {
-        Self { frame, scatter: Scatter::of(m), delta: delta_lobes(m, &frame) }
+        Self { frame, scatter: Scatter::of(m, frame.back, frame.ns), delta: delta_lobes(m, &frame) }
     }
 
     /// Where bands part, let one go on: `u` in [0, 1), one number for a path, since from then on there is one to pick \[E36\].
     pub(crate) fn part_bands(&mut self, m: &PackedMaterial, carried: &Bands, u: impl FnOnce() -> f32) {
-        if m.parts_bands()
-            && let Some(DeltaLobe::Interface(way)) = self.delta.last_mut()
-        {
-            *way = in_one_band(m, &self.frame, way, carried, u());
+        if !m.parts_bands() {
+            return;
+        }
+        match self.delta.last_mut() {
+            Some(DeltaLobe::Interface(way)) => *way = in_one_band(m, &self.frame, way, carried, u()),
+            Some(DeltaLobe::RoughInterface(way)) => *way = way.in_one_band(carried, u()),
+            _ => {}
         }
     }
 
@@ -135,7 +139,7 @@ impl Bsdf {
     }
 
     /// The delta lobe that has a width.
-    pub(crate) fn narrow(&self) -> Option<Phong> {
+    pub(crate) fn narrow(&self) -> Option<Narrow> {
         self.delta.iter().find_map(DeltaLobe::narrow)
     }
 
@@ -170,10 +174,20 @@ impl Bsdf {
         self.delta[lobe].sample(&self.frame, u)
     }
 
-    /// What of a path's throughput goes on by a delta lobe, as radiance.
-    pub(crate) fn through_delta(&self, lobe: usize, throughput: &Bands) -> Bands {
+    /// What of a path's throughput goes on by a delta lobe in a direction that was sampled, as radiance.
+    pub(crate) fn through_delta(&self, lobe: usize, w: Vec3, throughput: &Bands) -> Bands {
         let lobe = &self.delta[lobe];
-        scale(&mul(throughput, &lobe.albedo()), lobe.radiance_scale())
+        scale(&mul(throughput, &lobe.through(&self.frame, w)), lobe.radiance_scale(&self.frame))
+    }
+
+    /// By how much radiance scales by a delta lobe \[E9\].
+    pub(crate) fn radiance_scale(&self, lobe: usize) -> f32 {
+        self.delta[lobe].radiance_scale(&self.frame)
+    }
+
+    /// What of a joton's flux goes on so.
+    pub(crate) fn flux_through_delta(&self, lobe: usize, w: Vec3, flux: &Bands) -> Bands {
+        mul(flux, &self.delta[lobe].through(&self.frame, w))
     }
 }
 
@@ -236,8 +250,9 @@ mod tests {
     /// Sampling by its pdf gives the same albedo as uniform directions do; f is symmetric.
     #[test]
     fn glossy_sampling_matches_its_pdf() {
-        let (m, n) = (Scatter::of(&glossy(30.0)), Vec3::Z);
+        let n = Vec3::Z;
         let wo = Vec3::new(0.6, 0.0, 0.8);
+        let m = Scatter::of(&glossy(30.0), wo, n);
         let count = 1 << 17;
         let (mut by_lobe, mut by_cone, mut total_pdf) = (0.0, 0.0, 0.0);
         for i in 0..count {

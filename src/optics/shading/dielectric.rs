@@ -25,7 +25,7 @@ fn pane_reflectance(face: f32) -> f32 {
 }
 
 /// Direction of refraction; `n` on the side that `d` comes from. None at total reflection.
-fn refract(d: Vec3, n: Vec3, eta_i_over_t: f32) -> Option<Vec3> {
+pub(super) fn refract(d: Vec3, n: Vec3, eta_i_over_t: f32) -> Option<Vec3> {
     let cos_i = -d.dot(n);
     let sin2_t = eta_i_over_t * eta_i_over_t * (1.0 - cos_i * cos_i).max(0.0);
     (sin2_t < 1.0)
@@ -64,6 +64,15 @@ pub(crate) fn ways(m: &PackedMaterial, f: &Frame) -> [Way; 2] {
 /// `transmission` is the second of the [`ways`], `u` in [0, 1).
 pub(crate) fn in_one_band(m: &PackedMaterial, f: &Frame, transmission: &Way, carried: &Bands, u: f32) -> Way {
     let parts = mul(carried, &transmission.albedo).map(f64::from);
+    let Some(band) = picked_band(&parts, u) else { return Way { albedo: BLACK, ..*transmission } };
+    let (_, direction, eta_i_over_t) = crossing(m, m.iors[band], f);
+    let mut albedo = BLACK;
+    albedo[band] = (f64::from(transmission.albedo[band]) * parts.iter().sum::<f64>() / parts[band]) as f32;
+    Way { albedo, direction, radiance_scale: eta_i_over_t * eta_i_over_t }
+}
+
+/// The band that `u` in [0, 1) picks, each in proportion to its part; none where nothing is.
+pub(super) fn picked_band(parts: &[f64; BANDS], u: f32) -> Option<usize> {
     let total: f64 = parts.iter().sum();
     let mut upto = 0.0;
     let is_picked = |part: &f64| {
@@ -71,12 +80,7 @@ pub(crate) fn in_one_band(m: &PackedMaterial, f: &Frame, transmission: &Way, car
         *part > 0.0 && f64::from(u) * total < upto
     };
     // rounding may leave a sum below the total
-    let picked = parts.iter().position(is_picked).or_else(|| parts.iter().rposition(|part| *part > 0.0));
-    let Some(band) = picked else { return Way { albedo: BLACK, ..*transmission } };
-    let (_, direction, eta_i_over_t) = crossing(m, m.iors[band], f);
-    let mut albedo = BLACK;
-    albedo[band] = (f64::from(transmission.albedo[band]) * total / parts[band]) as f32;
-    Way { albedo, direction, radiance_scale: eta_i_over_t * eta_i_over_t }
+    parts.iter().position(is_picked).or_else(|| parts.iter().rposition(|part| *part > 0.0))
 }
 
 /// Share that is reflected, direction of the rest (arbitrary where all is), and η of the side that the ray comes from over

@@ -6,12 +6,16 @@ pub mod bsdf;
 pub(crate) mod cutout;
 mod dielectric;
 pub(crate) mod frame;
+mod fresnel;
 mod lambert;
 mod material;
+mod microfacet;
 mod mirror;
 pub mod phong;
+mod rough_interface;
 pub(crate) mod roulette;
 pub(crate) mod texture;
+mod undercoat;
 
 use crate::packed::PackedMaterial;
 use crate::spectrum::Bands;
@@ -20,8 +24,11 @@ use dielectric::Way;
 use frame::Frame;
 use glam::Vec3;
 use lambert::Lambert;
+use microfacet::Microfacet;
 use mirror::Mirror;
 use phong::Phong;
+use rough_interface::RoughWay;
+use undercoat::Undercoat;
 
 /// Most lobes of a material that scatter …
 pub(crate) const SCATTER_MOST: usize = 2;
@@ -32,35 +39,45 @@ pub(crate) const DELTA_MOST: usize = 2;
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum ScatterLobe {
     Lambert(Lambert),
+    Undercoat(Undercoat),
     Phong(Phong),
+    Microfacet(Microfacet),
 }
 
 impl ScatterLobe {
     fn albedo(&self) -> Bands {
         match self {
             Self::Lambert(l) => l.albedo,
+            Self::Undercoat(u) => u.albedo,
             Self::Phong(p) => p.albedo,
+            Self::Microfacet(m) => m.albedo,
         }
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
         match self {
             Self::Lambert(l) => l.eval(),
+            Self::Undercoat(u) => u.eval(wi, wo, n),
             Self::Phong(p) => p.eval(wi, wo, n),
+            Self::Microfacet(m) => m.eval(wi, wo, n),
         }
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
         match self {
             Self::Lambert(l) => l.pdf(wi, n),
+            Self::Undercoat(u) => u.pdf(wi, n),
             Self::Phong(p) => p.pdf(wi, wo, n),
+            Self::Microfacet(m) => m.pdf(wi, wo, n),
         }
     }
 
     fn sample(&self, wo: Vec3, n: Vec3, u: [f32; 2]) -> Vec3 {
         match self {
             Self::Lambert(l) => l.sample(n, u),
+            Self::Undercoat(c) => c.sample(n, u),
             Self::Phong(p) => p.sample(wo, n, u),
+            Self::Microfacet(m) => m.sample(wo, n, u),
         }
     }
 
@@ -70,31 +87,60 @@ impl ScatterLobe {
     }
 }
 
-/// Those of a material.
-fn scatter_lobes(m: &PackedMaterial) -> ArrayVec<ScatterLobe, SCATTER_MOST> {
+/// Those of a material, seen at this cosine to the normal.
+fn scatter_lobes(m: &PackedMaterial, cosine: f32) -> ArrayVec<ScatterLobe, SCATTER_MOST> {
     let mut lobes = ArrayVec::new();
     if m.flags().has_lambert() {
-        lobes.push(ScatterLobe::Lambert(Lambert { albedo: m.diffuse }));
+        lobes.push(if m.flags().is_coated() {
+            ScatterLobe::Undercoat(Undercoat::new(m, cosine))
+        } else {
+            ScatterLobe::Lambert(Lambert { albedo: m.diffuse })
+        });
     }
     if m.flags().has_glossy() {
-        lobes.push(ScatterLobe::Phong(Phong { albedo: m.glossy, exponent: m.glossy_exponent }));
+        lobes.push(if m.flags().has_facets() {
+            ScatterLobe::Microfacet(Microfacet::new(m, m.glossy, cosine))
+        } else {
+            ScatterLobe::Phong(Phong { albedo: m.glossy, exponent: m.glossy_exponent })
+        });
     }
     lobes
 }
 
-/// A delta lobe.
+/// A delta lobe, or one that is followed as if it were.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum DeltaLobe {
     Mirror(Mirror),
+    Facets(Microfacet),
     Interface(Way),
+    RoughInterface(RoughWay),
+}
+
+/// A lobe with a width that is followed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Narrow {
+    Phong(Phong),
+    Facets(Microfacet),
+}
+
+impl Narrow {
+    /// f_r, 1/sr.
+    pub(crate) fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+        match self {
+            Self::Phong(p) => p.eval(wi, wo, n),
+            Self::Facets(m) => m.eval(wi, wo, n),
+        }
+    }
 }
 
 impl DeltaLobe {
-    /// Reflectance or transmittance, per band.
+    /// Reflectance or transmittance, per band; of a lobe with a width about that.
     pub(crate) fn albedo(&self) -> Bands {
         match self {
             Self::Mirror(m) => m.albedo,
+            Self::Facets(m) => m.albedo,
             Self::Interface(w) => w.albedo,
+            Self::RoughInterface(w) => w.albedo,
         }
     }
 
@@ -102,22 +148,40 @@ impl DeltaLobe {
     pub(crate) fn sample(&self, f: &Frame, u: [f32; 2]) -> Option<Vec3> {
         match self {
             Self::Mirror(m) => m.sample(f, u),
+            Self::Facets(m) => {
+                let w = m.sample(f.back, f.specular_normal(), u);
+                Some(w).filter(|w| w.dot(f.ng) > 0.0 && w.dot(f.specular_normal()) > 0.0)
+            }
             Self::Interface(w) => Some(w.direction),
+            Self::RoughInterface(w) => w.sample(f, u),
+        }
+    }
+
+    /// f cosθ / pdf_solid_angle of a direction that was sampled, as flux.
+    pub(crate) fn through(&self, f: &Frame, w: Vec3) -> Bands {
+        match self {
+            Self::Mirror(m) => m.albedo,
+            Self::Facets(m) => m.reflected(w, f.back, f.specular_normal()),
+            Self::Interface(w) => w.albedo,
+            Self::RoughInterface(way) => way.through(f, w),
         }
     }
 
     /// By how much radiance scales on the way to the eye [E9].
-    pub(crate) fn radiance_scale(&self) -> f32 {
+    pub(crate) fn radiance_scale(&self, f: &Frame) -> f32 {
         match self {
-            Self::Mirror(_) => 1.0,
+            Self::Mirror(_) | Self::Facets(_) => 1.0,
             Self::Interface(w) => w.radiance_scale,
+            Self::RoughInterface(w) => w.radiance_scale(f),
         }
     }
+
     /// The lobe where it has a width, for lights without area: following it never meets them [E6].
-    fn narrow(&self) -> Option<Phong> {
+    fn narrow(&self) -> Option<Narrow> {
         match self {
-            Self::Mirror(m) => m.narrow(),
-            Self::Interface(_) => None,
+            Self::Mirror(m) => m.narrow().map(Narrow::Phong),
+            Self::Facets(m) => m.has_width().then_some(Narrow::Facets(*m)),
+            Self::Interface(_) | Self::RoughInterface(_) => None,
         }
     }
 }
@@ -125,11 +189,15 @@ impl DeltaLobe {
 /// Those of a material, in a frame.
 fn delta_lobes(m: &PackedMaterial, frame: &Frame) -> ArrayVec<DeltaLobe, DELTA_MOST> {
     let mut lobes = ArrayVec::new();
-    if m.flags().is_dielectric() {
-        let [reflection, transmission] = dielectric::ways(m, frame);
-        lobes.push(DeltaLobe::Interface(reflection));
-        lobes.push(DeltaLobe::Interface(transmission));
-    } else if m.flags().has_delta() {
+    let flags = m.flags();
+    if flags.is_dielectric() && flags.has_facets() {
+        lobes.extend(rough_interface::ways(m, frame).map(DeltaLobe::RoughInterface));
+    } else if flags.is_dielectric() {
+        lobes.extend(dielectric::ways(m, frame).map(DeltaLobe::Interface));
+    } else if flags.has_delta() && flags.has_facets() {
+        let cosine = frame.back.dot(frame.specular_normal());
+        lobes.push(DeltaLobe::Facets(Microfacet::new(m, m.specular, cosine)));
+    } else if flags.has_delta() {
         lobes.push(DeltaLobe::Mirror(Mirror { albedo: m.specular, exponent: m.specular_exponent }));
     }
     lobes

@@ -115,6 +115,26 @@ impl Texture {
     }
 }
 
+impl Texture {
+    /// The mean of all texels, linear.
+    pub fn mean(&self) -> [f32; 3] {
+        let count = u64::from(self.bitmap.size[0]) * u64::from(self.bitmap.size[1]);
+        let add = |sum: [f64; 3], t: [f32; 3]| std::array::from_fn(|k| sum[k] + f64::from(t[k]));
+        let sum = match &self.bitmap.texels {
+            Texels::Bytes(texels) => {
+                let linear: Vec<f32> =
+                    (0..=255).map(|x: u8| self.space.to_linear(f32::from(x) / 255.0)).collect();
+                let of = |t: &[u8; 4]| [t[0], t[1], t[2]].map(|x| linear[usize::from(x)]);
+                texels.iter().fold([0.0; 3], |sum, t| add(sum, of(t)))
+            }
+            Texels::Halves(texels) => {
+                texels.iter().fold([0.0; 3], |sum, t| add(sum, [t[0], t[1], t[2]].map(f32::from)))
+            }
+        };
+        sum.map(|x| (x / count as f64) as f32)
+    }
+}
+
 impl Space {
     /// A number in proportion to light, of an encoded one from 0 to 1.
     pub fn to_linear(self, encoded: f32) -> f32 {

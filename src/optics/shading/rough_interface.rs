@@ -1,0 +1,102 @@
+//! A rough interface of two dielectrics: it reflects and transmits at microfacets \[E43\] (Walter et al. 2007). Both lobes are followed.
+//! Twin: shaders/shading/rough_interface.wgsl.
+
+use crate::optics::shading::dielectric::{fresnel, picked_band, refract};
+use crate::optics::shading::frame::Frame;
+use crate::optics::shading::microfacet::Ggx;
+use crate::packed::PackedMaterial;
+use crate::packed::constants::ROUGH_SHARE_MIN;
+use crate::spectrum::{BANDS, BLACK, Bands, mul, scale};
+use glam::Vec3;
+
+/// One of the two ways on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RoughWay {
+    /// About what it keeps: that of a facet that lies flat, and never nothing.
+    pub(crate) albedo: Bands,
+    tint: Bands,
+    /// Index in each band.
+    iors: Bands,
+    /// That by which light is bent.
+    ior: f32,
+    is_transmission: bool,
+    ggx: Ggx,
+}
+
+/// Reflection and transmission.
+pub(super) fn ways(m: &PackedMaterial, f: &Frame) -> [RoughWay; 2] {
+    let cosine = f.back.dot(f.specular_normal());
+    let flat = m.iors.map(|ior| {
+        let eta = if f.front { ior } else { 1.0 / ior };
+        fresnel(cosine, eta).clamp(ROUGH_SHARE_MIN, 1.0 - ROUGH_SHARE_MIN)
+    });
+    let ggx = Ggx { alpha: m.alpha };
+    let way = |tint: Bands, share: Bands, is_transmission: bool| RoughWay {
+        albedo: mul(&tint, &share),
+        tint,
+        iors: m.iors,
+        ior: m.ior,
+        is_transmission,
+        ggx,
+    };
+    [way(m.specular, flat, false), way(m.transmission, flat.map(|r| 1.0 - r), true)]
+}
+
+impl RoughWay {
+    /// The same where bands part: one band goes on, picked by what of each would, and is bent by its own index \[E36\].
+    pub(super) fn in_one_band(&self, carried: &Bands, u: f32) -> Self {
+        let parts = mul(carried, &self.albedo).map(f64::from);
+        let Some(band) = picked_band(&parts, u) else { return Self { albedo: BLACK, tint: BLACK, ..*self } };
+        let only = |x: &Bands| {
+            let mut of_band = BLACK;
+            of_band[band] = (f64::from(x[band]) * parts.iter().sum::<f64>() / parts[band]) as f32;
+            of_band
+        };
+        Self { albedo: only(&self.albedo), tint: only(&self.tint), ior: self.iors[band], ..*self }
+    }
+
+    /// Index of the ray's side over that of the other.
+    fn eta_i_over_t(&self, f: &Frame) -> f32 {
+        if f.front { 1.0 / self.ior } else { self.ior }
+    }
+
+    /// By how much radiance scales on the way to the eye \[E9\].
+    pub(super) fn radiance_scale(&self, f: &Frame) -> f32 {
+        if self.is_transmission { self.eta_i_over_t(f).powi(2) } else { 1.0 }
+    }
+
+    /// Where light leaves; none on the wrong side of the surface, or where a facet reflects all.
+    pub(super) fn sample(&self, f: &Frame, u: [f32; 2]) -> Option<Vec3> {
+        let h = self.ggx.normal(f.back, f.specular_normal(), u);
+        if self.is_transmission {
+            refract(-f.back, h, self.eta_i_over_t(f)).filter(|w| w.dot(f.ng) < 0.0)
+        } else {
+            Some((h * (2.0 * f.back.dot(h)) - f.back).normalize()).filter(|w| w.dot(f.ng) > 0.0)
+        }
+    }
+
+    /// f cosθ / pdf_solid_angle of a direction that was sampled, as flux.
+    pub(super) fn through(&self, f: &Frame, w: Vec3) -> Bands {
+        let n = f.specular_normal();
+        let h = if self.is_transmission {
+            // tangential parts add up to nothing
+            -(f.back * self.eta_i_over_t(f) + w).normalize()
+        } else {
+            (f.back + w).normalize()
+        };
+        let h = if h.dot(n) < 0.0 { -h } else { h };
+        let (cos_o, cos_w, cos_h) = (f.back.dot(n), w.dot(n), f.back.dot(h).clamp(0.0, 1.0));
+        if cos_o <= 0.0 || (cos_w < 0.0) != self.is_transmission {
+            return BLACK;
+        }
+        let mut kept = self.tint;
+        for b in 0..BANDS {
+            let eta = if f.front { self.iors[b] } else { 1.0 / self.iors[b] };
+            let reflectance = fresnel(cos_h, eta);
+            kept[b] *= if self.is_transmission { 1.0 - reflectance } else { reflectance };
+        }
+        let seen =
+            if self.is_transmission { self.ggx.seen(-cos_w) } else { self.ggx.seen_again(cos_w, cos_o) };
+        scale(&kept, seen)
+    }
+}

@@ -1,0 +1,47 @@
+//! What is diffuse under a clear coat: f_r = albedo/π T(θi) T(θo), T = 1 − F of the coat \[E42\]. Twin: shaders/shading/undercoat.wgsl.
+
+use crate::optics::shading::dielectric::fresnel;
+use crate::packed::PackedMaterial;
+use crate::sampling::distributions::{cosine_hemisphere, to_world};
+use crate::spectrum::{Bands, scale};
+use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
+
+/// The lobe.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Undercoat {
+    /// What leaves the base over what enters the coat, per band.
+    base: Bands,
+    /// Index of the coat.
+    ior: f32,
+    /// Reflectance for light that leaves, or arrives, at the angle of the view.
+    pub(super) albedo: Bands,
+}
+
+impl Undercoat {
+    /// Of a material seen at this cosine to the normal.
+    pub(super) fn new(m: &PackedMaterial, cosine: f32) -> Self {
+        let passes = passed(cosine, m.ior) * m.coat_transmittance;
+        Self { base: m.diffuse, ior: m.ior, albedo: scale(&m.diffuse, passes) }
+    }
+
+    /// f_r, 1/sr.
+    pub(super) fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+        scale(&self.base, FRAC_1_PI * passed(wi.dot(n), self.ior) * passed(wo.dot(n), self.ior))
+    }
+
+    /// pdf_solid_angle of [`Undercoat::sample`].
+    pub(super) fn pdf(&self, wi: Vec3, n: Vec3) -> f32 {
+        wi.dot(n).max(0.0) * FRAC_1_PI
+    }
+
+    /// A direction by its cosine.
+    pub(super) fn sample(&self, n: Vec3, u: [f32; 2]) -> Vec3 {
+        to_world(cosine_hemisphere(u), n)
+    }
+}
+
+/// Part of light at this cosine that the coat lets through.
+fn passed(cosine: f32, ior: f32) -> f32 {
+    1.0 - fresnel(cosine.clamp(0.0, 1.0), ior)
+}
