@@ -324,7 +324,13 @@ fn what_others_cannot_do_is_refused() {
     let soft = "[[light]]\nkind = \"spot\"\nposition = [0, 0, 2]\ndirection = [0, 0, -1]\nintensity = 1\n\
                 angle_inner = 20\nangle_outer = 30\n";
     let far = "v 1e5 0 0\nv 100001 0 0\nv 1e5 1 0\nusemtl a\nf 1 2 3\n";
+    let board =
+        format!("{POINT}[[material]]\nname = \"a\"\nkd = {{ checkerboard = [[0, 0, 0], [1, 1, 1]] }}\n");
+    let half = format!("{POINT}[[material]]\nname = \"a\"\nopacity = 0.5\n");
+    let matte = "newmtl a\nKd 0.5 0.5 0.5\n";
     for (toml, obj, mtl, culprit, remedy) in [
+        (&board[..], TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
+        (&half, TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
         (POINT, TRIANGLE, glossy, "material \"a\": its glossy lobe", "make it matte"),
         (POINT, TRIANGLE, blend, "material \"a\": its sum of a matte and a mirror lobe", "make it matte"),
         (soft, TRIANGLE, SHINING, "light 1: the soft edge of a spot", "angle_inner = angle_outer"),
