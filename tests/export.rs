@@ -320,6 +320,7 @@ fn black_lamps_are_flat() {
 #[test]
 fn what_others_cannot_do_is_refused() {
     let glossy = "newmtl a\nKd 0.5 0.5 0.5\nKs 0.2 0.2 0.2\nNs 20\nillum 2\n";
+    let rough = "newmtl a\nKd 0.5 0.5 0.5\nPr 0.4\n";
     let blend = "newmtl a\nKd 0.4 0.3 0.2\nKs 0.3 0.3 0.3\nillum 3\n";
     let soft = "[[light]]\nkind = \"spot\"\nposition = [0, 0, 2]\ndirection = [0, 0, -1]\nintensity = 1\n\
                 angle_inner = 20\nangle_outer = 30\n";
@@ -331,6 +332,7 @@ fn what_others_cannot_do_is_refused() {
     for (toml, obj, mtl, culprit, remedy) in [
         (&board[..], TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
         (&half, TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
+        (POINT, TRIANGLE, rough, "material \"a\": its microfacets", "smooth glass"),
         (POINT, TRIANGLE, glossy, "material \"a\": its glossy lobe", "make it matte"),
         (POINT, TRIANGLE, blend, "material \"a\": its sum of a matte and a mirror lobe", "make it matte"),
         (soft, TRIANGLE, SHINING, "light 1: the soft edge of a spot", "angle_inner = angle_outer"),

@@ -153,7 +153,7 @@ impl<'a> Assembly<'a> {
 
     /// Adds the material of what says nothing of it; its number.
     pub(super) fn push_grey(&mut self, name: Option<&str>, path: &Path, line: usize) -> u32 {
-        let material = Material::matte(name.unwrap_or(UNNAMED), rule::GREY);
+        let material = Material::matte(name.unwrap_or(UNNAMED), super::material::GREY);
         self.push(material, Origin { file: path.to_owned(), line, thin: None })
     }
 

@@ -6,8 +6,8 @@
 //! - A texture is the colour of what is diffuse; metal, whose colour is one, has its mean.
 //! - Whatever its kind, roughness r is α = r² of GGX.
 
+use super::material::GREY;
 use super::mtl::{At, Kind, RawMaterial};
-use super::rule::GREY;
 use super::texture::Texture;
 use super::{FacetKind, Facets, Inner, Material};
 use crate::spectrum::{self, BANDS, BLACK, Bands};

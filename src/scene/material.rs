@@ -3,8 +3,11 @@
 use super::MaterialSpectra;
 use super::texture::{Opacity, Texture};
 use crate::spectrum::metal::Metal;
-use crate::spectrum::{BLACK, Bands, is_black};
+use crate::spectrum::{BANDS, BLACK, Bands, is_black};
 use std::sync::Arc;
+
+/// Reflectance where a file says nothing: middle grey.
+pub(crate) const GREY: Bands = [0.5; BANDS];
 
 /// A surface. An opaque one reflects `diffuse` (times its texels) + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
 /// but reflects and transmits by Fresnel.

@@ -20,6 +20,7 @@
 //! 8. map_d is the opacity of what is opaque and does not shine: its own, else its luminance. d or Tr alone never make an
 //!    opaque material transparent.
 
+use super::material::GREY;
 use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
 use super::texture::{Opacity, Texture};
@@ -29,8 +30,6 @@ use crate::spectrum::{self, BANDS, BLACK, Bands, Spectrum};
 use crate::{Error, Result};
 use std::sync::Arc;
 
-/// Reflectance where a file says nothing: middle grey.
-pub(crate) const GREY: Bands = [0.5; BANDS];
 /// All light.
 const WHITE: Bands = [1.0; BANDS];
 /// Index of refraction where glass gives none: window glass.

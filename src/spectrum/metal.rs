@@ -28,6 +28,8 @@ const ALUMINIUM: Measured = &[
     [780.0, 2.232, 7.604],
 ];
 
+// one of its values is near π
+#[allow(clippy::approx_constant)]
 #[rustfmt::skip]
 const CHROMIUM: Measured = &[
     [381.0, 1.92, 2.74], [397.0, 2.00, 2.83], [413.0, 2.08, 2.93], [431.0, 2.19, 3.04], [451.0, 2.33, 3.14],

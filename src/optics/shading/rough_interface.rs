@@ -6,7 +6,7 @@ use crate::optics::shading::frame::Frame;
 use crate::optics::shading::microfacet::Ggx;
 use crate::packed::PackedMaterial;
 use crate::packed::constants::ROUGH_SHARE_MIN;
-use crate::spectrum::{BANDS, BLACK, Bands, mul, scale};
+use crate::spectrum::{BLACK, Bands, mul, scale};
 use glam::Vec3;
 
 /// One of the two ways on.
@@ -90,10 +90,9 @@ impl RoughWay {
             return BLACK;
         }
         let mut kept = self.tint;
-        for b in 0..BANDS {
-            let eta = if f.front { self.iors[b] } else { 1.0 / self.iors[b] };
-            let reflectance = fresnel(cos_h, eta);
-            kept[b] *= if self.is_transmission { 1.0 - reflectance } else { reflectance };
+        for (kept, ior) in kept.iter_mut().zip(self.iors) {
+            let reflectance = fresnel(cos_h, if f.front { ior } else { 1.0 / ior });
+            *kept *= if self.is_transmission { 1.0 - reflectance } else { reflectance };
         }
         let seen =
             if self.is_transmission { self.ggx.seen(-cos_w) } else { self.ggx.seen_again(cos_w, cos_o) };

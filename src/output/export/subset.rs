@@ -31,6 +31,11 @@ impl Bsdf {
         let refuse = |what: &str, remedy: &str| {
             Err(unsupported(source, format!("material \"{}\": {what}", material.name), remedy))
         };
+        if material.facets.is_some() {
+            let remedy =
+                "make it matte, a mirror or smooth glass: a [[material]] with type in the scene file";
+            return refuse("its microfacets have no exact counterpart in other renderers", remedy);
+        }
         if let Some(dielectric) = material.dielectric {
             return Ok(if material.thin { Self::Pane(dielectric) } else { Self::Dielectric(dielectric) });
         }
