@@ -65,16 +65,16 @@ fn at_angle(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: b
 }
 
 // Of what mirrors or is glossy and no interface; a material of microfacets states one of the two.
-fn reflecting_albedo(m: PackedMaterial, stated: Bands, at: AtAngle) -> Bands {
-    return select(stated, at.reflectance, has_facets(m) && max_band(stated) > 0.0);
+fn reflecting_albedo(m: PackedMaterial, lobe: u32, stated: Bands, at: AtAngle) -> Bands {
+    return select(stated, at.reflectance, has_facets(m) && (m.flag_bits & lobe) != 0u);
 }
 
 // Reflectance or transmittance of a lobe, per band; of one with a width about that.
 fn lobe_albedo(m: PackedMaterial, lobe: u32, at: AtAngle) -> Bands {
     switch lobe {
         case LOBE_DIFFUSE: { return diffuse_albedo(m, at); }
-        case LOBE_GLOSSY: { return reflecting_albedo(m, m.glossy, at); }
-        case LOBE_MIRROR: { return reflecting_albedo(m, m.specular, at); }
+        case LOBE_GLOSSY: { return reflecting_albedo(m, GLOSSY, m.glossy, at); }
+        case LOBE_MIRROR: { return reflecting_albedo(m, SPECULAR, m.specular, at); }
         case LOBE_REFLECTION: { return m.specular * at.reflectance; }
         default: { return m.transmission * (1.0 - at.reflectance); }
     }
@@ -118,10 +118,10 @@ fn lobe_weights(m: PackedMaterial, carried: Bands, at: AtAngle) -> LobeWeights {
     }
     w.diffuse = max_band(diffuse_albedo(m, at) * carried) * scale;
     if HAS_GLOSSY {
-        w.glossy = max_band(reflecting_albedo(m, m.glossy, at) * carried) * scale;
+        w.glossy = max_band(reflecting_albedo(m, GLOSSY, m.glossy, at) * carried) * scale;
     }
     if HAS_SPECULAR {
-        w.mirror = max_band(reflecting_albedo(m, m.specular, at) * carried) * scale;
+        w.mirror = max_band(reflecting_albedo(m, SPECULAR, m.specular, at) * carried) * scale;
     }
     return w;
 }
@@ -223,16 +223,16 @@ fn eval_narrow(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) ->
 
 // Probability that a sample of the lobes that scatter takes the diffuse one.
 fn diffuse_share(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>) -> f32 {
-    var glossy = max_band(m.glossy);
+    if HAS_GLOSSY && has_facets(m) && (m.flag_bits & GLOSSY) != 0u {
+        let at = at_angle(m, n, -wo, true);
+        let base = max_band(diffuse_albedo(m, at));
+        return base / max(base + max_band(at.reflectance), 1e-30);
+    }
+    let glossy = max_band(m.glossy);
     if !HAS_GLOSSY || glossy <= 0.0 {
         return 1.0;
     }
-    var diffuse = max_band(m.diffuse);
-    if has_facets(m) {
-        let at = at_angle(m, n, -wo, true);
-        diffuse = max_band(diffuse_albedo(m, at));
-        glossy = max_band(at.reflectance);
-    }
+    let diffuse = max_band(m.diffuse);
     return diffuse / (diffuse + glossy);
 }
 

@@ -1,4 +1,4 @@
-// What is diffuse under a clear coat: f = albedo/π T(θi) T(θo), T = 1 − F of the coat [E42]. Directions by their cosine, as of Lambert's
+// What is diffuse under a clear coat: f = albedo/π T(θi) T(θo), T = 1 − R of the coat [E42]. Directions by their cosine, as of Lambert's
 // lobe. Twin: src/optics/shading/undercoat.rs.
 // import: shading/fresnel.wgsl
 
@@ -8,7 +8,14 @@ fn is_coated(m: PackedMaterial) -> bool {
 
 // Part of light at this cosine that the coat lets through.
 fn coat_passes(m: PackedMaterial, cosine: f32) -> f32 {
-    return 1.0 - fresnel(clamp(cosine, 0.0, 1.0), m.ior);
+    let c = clamp(cosine, 0.0, 1.0);
+    if (m.flag_bits & SCHLICK) != 0u {
+        let root = (m.ior - 1.0) / (m.ior + 1.0);
+        let rest = 1.0 - c;
+        let square = rest * rest;
+        return (1.0 - root * root) * (1.0 - square * square * rest);
+    }
+    return 1.0 - fresnel(c, m.ior);
 }
 
 fn undercoat_eval(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {

@@ -92,6 +92,8 @@ const FOLLOWED_EXPONENT: f32 = 300.0;
 const FOLLOWED_ALPHA: f32 = 0.081_4;
 /// Microfacets of a smaller α are a smooth surface.
 const SMOOTH_ALPHA: f32 = 1e-4;
+/// Indices that differ by less are the same.
+const SAME_INDEX: f32 = 1e-4;
 
 /// What a material can do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -221,8 +223,9 @@ impl PackedMaterial {
         set(!opaque && m.thin, MaterialFlags::THIN);
         let alpha = m.facets.map_or(0.0, |f| if f.alpha < SMOOTH_ALPHA { 0.0 } else { f.alpha.min(1.0) });
         let kind = m.facets.map(|f| f.kind).filter(|_| opaque);
-        // a smooth interface needs no microfacets, and nothing bends in a pane
-        set(kind.is_some() || (!opaque && alpha > 0.0 && !m.thin), MaterialFlags::FACETS);
+        // a smooth interface needs no microfacets, and nothing bends in a pane or where the index stays
+        let is_interface = m.dielectric.is_some_and(|d| (d.ior - 1.0).abs() > SAME_INDEX) && !m.thin;
+        set(kind.is_some() || (is_interface && alpha > 0.0), MaterialFlags::FACETS);
         // beside a mirror there is no room for a second lobe that is followed
         let is_narrow =
             if kind.is_some() { alpha <= FOLLOWED_ALPHA } else { m.glossy_exponent > FOLLOWED_EXPONENT };
@@ -257,7 +260,7 @@ impl PackedMaterial {
             iors: metal.map_or([ior; BANDS], |(eta, _)| eta),
             alpha,
             extinction: metal.map_or(BLACK, |(_, k)| k),
-            coat_transmittance: coat.map_or(1.0, |ior| coat_transmittance(f64::from(ior)) as f32),
+            coat_transmittance: kind.map_or(1.0, |kind| coat_transmittance(kind) as f32),
             pad: Default::default(),
         };
         packed.diffuse = packed.under_coat(m.facets, packed.diffuse);
@@ -266,12 +269,14 @@ impl PackedMaterial {
 
     /// What leaves a diffuse base of this reflectance over what enters its coat: light is reflected to and fro between the two \[E42\].
     pub(super) fn under_coat(&self, facets: Option<Facets>, reflectance: Bands) -> Bands {
-        let Some(FacetKind::Coat { ior, inner }) = facets.map(|f| f.kind) else { return reflectance };
-        if !self.flags().is_coated() {
+        let Some(kind) = facets.map(|f| f.kind).filter(|_| self.flags().is_coated()) else {
             return reflectance;
-        }
-        let ior = f64::from(ior);
-        let outer = coat_transmittance(ior);
+        };
+        let (ior, inner) = match kind {
+            FacetKind::Coat { ior, inner } => (f64::from(ior), inner),
+            _ => (f64::from(self.ior), Inner::Even),
+        };
+        let outer = coat_transmittance(kind);
         // of even light inside, which Fresnel's symmetry ties to that outside
         let inside = 1.0 - outer / (ior * ior);
         reflectance.map(|rho| {
@@ -325,9 +330,17 @@ impl PackedMaterial {
     }
 }
 
-/// Part of even light from outside that a smooth coat of this index lets through: 1 − ∫ F(c) 2c dc \[E42\].
-fn coat_transmittance(ior: f64) -> f64 {
+/// Part of even light from outside that a smooth coat lets through: ∫ T(c) 2c dc; of Schlick's formula in closed form \[E42\].
+fn coat_transmittance(kind: FacetKind) -> f64 {
     const STEPS: u32 = 1000;
+    let ior = match kind {
+        FacetKind::Schlick { ior } => {
+            let root = (f64::from(ior) - 1.0) / (f64::from(ior) + 1.0);
+            return (1.0 - root * root) * 20.0 / 21.0;
+        }
+        FacetKind::Coat { ior, .. } => f64::from(ior),
+        FacetKind::Conductor { .. } | FacetKind::Interface => return 1.0,
+    };
     // even places of the square of the sine are even light
     let passes = |i: u32| {
         let sin2 = (f64::from(i) + 0.5) / f64::from(STEPS);

@@ -1,7 +1,7 @@
 //! Assembly: meshes and shapes are put together, with the materials that they use.
 
 use super::glass::{self, Origin};
-use super::mtl::{RawMaterial, RawSpectra};
+use super::mtl::{Kind, RawMaterial, RawSpectra};
 use super::obj::{ObjFile, UsedMaterial};
 use super::scene_file::{Called, MadeOf, MaterialEntry};
 use super::texture::store::Store;
@@ -301,7 +301,11 @@ impl RawMaterial {
             ke: if other.ke.is_some() { theirs.ke } else { self.spectra.ke.clone() },
             ni: if other.ni.is_some() { theirs.ni } else { self.spectra.ni.clone() },
         };
+        // a lobe that is stated replaces Blender's
+        let has_lobe = other.ks.is_some() || other.ns.is_some();
+        let is_replaced = self.is_of_blender && self.kind == Some(Kind::Principled) && has_lobe;
         RawMaterial {
+            kind: self.kind.filter(|_| !is_replaced),
             file: other.file.clone(),
             line: other.line,
             thin: other.thin.or(self.thin),
@@ -314,7 +318,7 @@ impl RawMaterial {
             ns: other.ns.or(if other.pr.or(other.alpha).is_some() { None } else { self.ns }),
             pr: other.pr.or(if other.ns.or(other.alpha).is_some() { None } else { self.pr }),
             alpha: other.alpha.or(if other.ns.or(other.pr).is_some() { None } else { self.alpha }),
-            pm: other.pm.or(self.pm),
+            pm: other.pm.or(self.pm.filter(|_| !is_replaced)),
             metal: if other.eta.is_some() { None } else { other.metal.clone().or(self.metal) },
             eta: other.eta.or(self.eta),
             k: other.k.or(self.k),

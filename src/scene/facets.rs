@@ -26,13 +26,20 @@ pub(super) fn alpha(raw: &RawMaterial, unstated: f32) -> f32 {
     raw.alpha.map_or(roughness * roughness, |alpha| alpha.value).clamp(0.0, 1.0)
 }
 
-/// Factor on a texture that is the base colour, such that none of its texels reflects more than it gets; none where there is no texture.
-fn base(raw: &RawMaterial, result: &Material) -> Option<Bands> {
-    let texture = result.diffuse_texture.as_ref()?;
-    // in Blender's libraries the texture is all of the colour
-    let stated = if raw.textured.is_some() { WHITE } else { result.diffuse };
-    let most = spectrum::mul(&stated, &spectrum::from_rgb(texture.most()));
-    Some(spectrum::scale(&stated, 1.0 / spectrum::max(&most).max(1.0)))
+/// The base colour, or the factor on a texture that is one, such that none reflects more than it gets.
+fn base(raw: &RawMaterial, result: &Material) -> Bands {
+    let (stated, most) = match &result.diffuse_texture {
+        // in Blender's libraries the texture is all of the colour
+        Some(texture) if raw.textured.is_some() => (WHITE, spectrum::from_rgb(texture.most())),
+        Some(texture) => (result.diffuse, spectrum::from_rgb(texture.most())),
+        // of a picture that could not be read a black factor says nothing
+        None if raw.kd.is_some_and(|kd| raw.map_kd.is_none() || !spectrum::is_black(&kd.value)) => {
+            (result.diffuse, WHITE)
+        }
+        None if raw.map_kd.is_none() && result.emits() => (BLACK, WHITE),
+        None => (GREY, WHITE),
+    };
+    spectrum::scale(&stated, 1.0 / spectrum::max(&spectrum::mul(&stated, &most)).max(1.0))
 }
 
 /// Mean colour of a texture.
@@ -41,15 +48,25 @@ fn mean(texture: &Texture) -> Bands {
 }
 
 /// Give a material the lobes of metal, plastic or a principled surface; says whether it is of such a kind.
-pub(super) fn apply(raw: &RawMaterial, kind: Kind, result: &mut Material) -> bool {
+pub(super) fn apply(
+    raw: &RawMaterial,
+    kind: Kind,
+    result: &mut Material,
+    warn: &mut impl FnMut(Option<usize>, &str),
+) -> bool {
     let within = |stated: Option<At<Bands>>, unstated: Bands| {
         stated.map_or(unstated, |x| x.value).map(|x| x.clamp(0.0, 1.0))
     };
-    let ior = raw.ni.map_or(COAT_IOR, |ni| ni.value.max(1.0));
+    // exporters that do not know the index write 0
+    let ior = raw.ni.filter(|ni| ni.value != 0.0).map_or(COAT_IOR, |ni| ni.value);
+    let is_textured = result.diffuse_texture.is_some();
     match kind {
         Kind::Metal => {
             result.diffuse = BLACK;
             let texture = result.diffuse_texture.take();
+            if is_textured {
+                warn(None, "metal has the mean colour of its texture");
+            }
             result.glossy = texture.map_or(within(raw.ks.or(raw.kd), WHITE), |t| mean(&t));
             let named = raw.metal.as_ref().map(|metal| metal.to_rgb());
             let stated = named.or_else(|| Some([raw.eta?.value, raw.k?.value]));
@@ -61,15 +78,20 @@ pub(super) fn apply(raw: &RawMaterial, kind: Kind, result: &mut Material) -> boo
             result.facets = Some(Facets { alpha: alpha(raw, 0.0), kind });
         }
         Kind::Plastic => {
-            result.diffuse = base(raw, result).unwrap_or(within(raw.kd, GREY));
+            result.diffuse = base(raw, result);
+            if is_textured && raw.saturated.is_some_and(|s| s.value) {
+                warn(None, "saturated means nothing beside a texture");
+            }
             result.glossy = within(raw.ks, WHITE);
             let inner = if raw.saturated.is_some_and(|s| s.value) { Inner::Coloured } else { Inner::Even };
             result.facets = Some(Facets { alpha: alpha(raw, 0.0), kind: FacetKind::Coat { ior, inner } });
         }
         Kind::Principled => {
-            let textured = base(raw, result);
-            let factor = textured.unwrap_or(within(raw.kd, GREY));
+            let factor = base(raw, result);
             let metallic = raw.pm.map_or(0.0, |pm| pm.value.clamp(0.0, 1.0));
+            if is_textured && metallic > 0.0 {
+                warn(None, "its metallic part has the mean colour of its texture");
+            }
             let head_on = ((ior - 1.0) / (ior + 1.0)).powi(2);
             let colour = result.diffuse_texture.as_ref().map_or(factor, |t| spectrum::mul(&mean(t), &factor));
             result.diffuse = spectrum::scale(&factor, 1.0 - metallic);
@@ -82,6 +104,7 @@ pub(super) fn apply(raw: &RawMaterial, kind: Kind, result: &mut Material) -> boo
             let ks = within(raw.ks, BLACK);
             let root = spectrum::max(&ks).min(0.999).sqrt();
             result.glossy = ks;
+            result.diffuse = base(raw, result);
             let kind = FacetKind::Schlick { ior: (1.0 + root) / (1.0 - root) };
             result.facets = (root > 0.0).then_some(Facets { alpha: alpha(raw, 0.0), kind });
         }

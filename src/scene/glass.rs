@@ -295,10 +295,12 @@ fn mark(mesh: &mut Mesh, materials: &mut Vec<Material>, thin: &[u32]) {
         let number = mesh.triangles[i as usize].material;
         let pane = *pane_of.entry(number).or_insert_with(|| {
             if !has_body[number as usize] {
-                materials[number as usize].thin = true;
+                let pane = &mut materials[number as usize];
+                // a pane is smooth
+                (pane.thin, pane.facets) = (true, None);
                 return number;
             }
-            materials.push(Material { thin: true, ..materials[number as usize].clone() });
+            materials.push(Material { thin: true, facets: None, ..materials[number as usize].clone() });
             materials.len() as u32 - 1
         });
         mesh.triangles[i as usize].material = pane;

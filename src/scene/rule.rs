@@ -12,7 +12,7 @@
 //! 4. **Matte** where illum is 0 or 1: diffuse = Kd.
 //! 5. Everything else (2, 10, absent): diffuse = Kd and, where Ks is not black, a **glossy** lobe Ks with exponent
 //!    Ns, else 10; kept in 1 … 10⁶. Where the material states Pr, the lobe is of microfacets; where it states Pm, or Pr and no Ks,
-//!    the material is principled (`facets.rs`), as are those of glass rough by Pr.
+//!    the material is principled (`facets.rs`). Glass is rough by Pr.
 //! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. map_Kd multiplies Kd; where Kd is black or
 //!    absent it stands alone, and in Blender's libraries it always does. Where it cannot be read, such a Kd is grey 0.5.
 //! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor; of a texture the largest texel
@@ -36,6 +36,8 @@ const WHITE: Bands = [1.0; BANDS];
 const DEFAULT_IOR: f32 = 1.5;
 /// Indices of refraction beyond this are a mistake in the file (diamond has 2.4, silicon 4).
 const IOR_ACCEPTED: std::ops::RangeInclusive<f32> = 0.1..=10.0;
+/// Parts of a metal's index: silver in red has .05, aluminium in infrared 20.
+const INDEX_ACCEPTED: std::ops::RangeInclusive<f32> = 1e-3..=100.0;
 /// Phong exponent where a glossy material gives none.
 const DEFAULT_EXPONENT: f32 = 10.0;
 /// Phong exponents: below 1 the lobe is all but diffuse, above 10⁶ it is a mirror to f32.
@@ -73,7 +75,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
             warn(Some(stated.line), "textures of a glass are not read");
         }
         result.dielectric = Some(dielectric(raw, &mut warn));
-        facets::apply(raw, kind, &mut result);
+        facets::apply(raw, kind, &mut result, &mut warn);
         result.spectra = spectra(raw, kind);
         return Ok(result);
     }
@@ -90,7 +92,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     result.diffuse_texture = colour;
     result.spectra = spectra(raw, kind);
     match kind {
-        _ if facets::apply(raw, kind, &mut result) => return Ok(result),
+        _ if facets::apply(raw, kind, &mut result, &mut warn) => return Ok(result),
         Kind::Mirror => {
             let diffuse = spectrum::mul(&result.diffuse, &most);
             result.specular = raw.ks.map_or(mirror_default(raw, &diffuse), |ks| ks.value);
@@ -121,7 +123,8 @@ fn spectra(raw: &RawMaterial, kind: Kind) -> Option<Arc<MaterialSpectra>> {
     let of = |is_meant: bool, spectrum: Option<Spectrum>| spectrum.filter(|_| is_meant);
     let is_glass = kind == Kind::Glass;
     let spectra = MaterialSpectra {
-        diffuse: of(!is_glass && kind != Kind::Principled, kd),
+        // what a part of which is metal has follows from its colour
+        diffuse: of(!is_glass && !(kind == Kind::Principled && raw.pm.is_some_and(|pm| pm.value > 0.0)), kd),
         glossy: of(matches!(kind, Kind::Glossy | Kind::Metal | Kind::Plastic), ks.clone()),
         specular: of(is_glass || kind == Kind::Mirror, ks),
         transmission: of(is_glass, tf),
@@ -260,6 +263,11 @@ fn check(raw: &RawMaterial) -> Result<()> {
         if value.iter().any(|&band| band < 0.0) {
             return fail(line, key, "is negative");
         }
+        if matches!(key, "eta" | "k") && value.iter().any(|part| !INDEX_ACCEPTED.contains(part)) {
+            let what = format!("material \"{}\": {key} of a metal's index {value:?}", raw.name);
+            let remedy = "give values from 0.001 to 100 (gold in red: eta 0.2, k 3.3)";
+            return Err(Error::scene(&raw.file, Some(line), what, remedy));
+        }
     }
     let numbers = [
         ("Ns", raw.ns),
@@ -275,23 +283,44 @@ fn check(raw: &RawMaterial) -> Result<()> {
         if !value.is_finite() {
             return fail(line, key, "is not finite");
         }
+        if matches!(key, "Pr" | "Pm" | "alpha") && !(0.0..=1.0).contains(&value) {
+            // what a scene file says is meant; libraries hold all sorts of numbers
+            if value < 0.0 || raw.kind.is_some() && !raw.is_of_blender {
+                let what = format!("material \"{}\": {} of {value}", raw.name, in_words(key));
+                return Err(Error::scene(&raw.file, Some(line), what, "give 0 to 1"));
+            }
+        }
     }
     match raw.ni {
         Some(At { value, line })
-            if !value.is_finite() || (is_glass(raw) && value != 0.0 && !IOR_ACCEPTED.contains(&value)) =>
+            if !value.is_finite() || (value != 0.0 && !ior_accepted(raw).contains(&value)) =>
         {
             let what = format!("material \"{}\": index of refraction {value}", raw.name);
             Err(Error::scene(
                 &raw.file,
                 Some(line),
                 what,
-                "give an index from 0.1 to 10 (water 1.33, glass 1.5)",
+                "give an index from 0.1 to 10, of a coat from 1 (water 1.33, glass 1.5)",
             ))
         }
         _ => Ok(()),
     }
 }
 
-fn is_glass(raw: &RawMaterial) -> bool {
-    raw.kind.unwrap_or_else(|| kind(raw)) == Kind::Glass
+/// Indices that a material of this kind may have.
+fn ior_accepted(raw: &RawMaterial) -> std::ops::RangeInclusive<f32> {
+    match raw.kind.unwrap_or_else(|| kind(raw)) {
+        Kind::Glass => IOR_ACCEPTED,
+        Kind::Plastic | Kind::Principled => 1.0..=*IOR_ACCEPTED.end(),
+        _ => f32::MIN..=f32::MAX,
+    }
+}
+
+/// What a scene file calls a statement of a library.
+fn in_words(key: &str) -> &str {
+    match key {
+        "Pr" => "roughness",
+        "Pm" => "metallic",
+        key => key,
+    }
 }

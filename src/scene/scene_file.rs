@@ -212,6 +212,29 @@ const MATERIAL_KEYS: [&str; 16] = [
     "opacity",
 ];
 
+/// Keys that some kinds of material alone read.
+const KEYS_OF_KINDS: [(&str, &[Kind]); 5] = [
+    ("metal", &[Kind::Metal]),
+    ("eta", &[Kind::Metal]),
+    ("k", &[Kind::Metal]),
+    ("metallic", &[Kind::Principled]),
+    ("saturated", &[Kind::Plastic]),
+];
+
+/// Kinds as a scene file writes them.
+fn words_of(kinds: &[Kind]) -> String {
+    let word = |kind: &Kind| match kind {
+        Kind::Matte => "\"matte\"",
+        Kind::Mirror => "\"mirror\"",
+        Kind::Glass => "\"glass\"",
+        Kind::Glossy => "\"glossy\"",
+        Kind::Metal => "\"metal\"",
+        Kind::Plastic => "\"plastic\"",
+        Kind::Principled => "\"principled\"",
+    };
+    kinds.iter().map(word).collect::<Vec<_>>().join(" or ")
+}
+
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
 fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
     let kind = table.optional_string("type")?;
@@ -233,6 +256,13 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
             ));
         }
     };
+    for (key, kinds) in KEYS_OF_KINDS {
+        let Some(line) = table.line_of(key) else { continue };
+        if !kind.is_some_and(|kind| kinds.contains(&kind)) {
+            let what = format!("{key} in a material that is not of its kind");
+            return Err(table.fault(line, &what, &format!("give type = {}", words_of(kinds))));
+        }
+    }
     let single = |value: Option<At<f64>>| value.map(|v| At { value: v.value as f32, line: v.line });
     let map_kd = entry::texture(table, "kd", path)?;
     let map_d = entry::texture(table, "opacity", path)?;

@@ -248,6 +248,11 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// Line of a key, where it is there.
+    pub(crate) fn line_of(&self, key: &str) -> Option<usize> {
+        self.get(key).map(|(_, line, _)| line)
+    }
+
     /// Whether it says anything of a key.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)

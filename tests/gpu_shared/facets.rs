@@ -53,6 +53,17 @@ fn reflectance(m: &Material, packed: &PackedMaterial, band: usize, cos: f64) -> 
     }
 }
 
+/// What the coat lets through, by the formula of its lobe.
+fn passed(m: &Material, ior: f64, cos: f64) -> f64 {
+    match m.facets.expect("microfacets").kind {
+        FacetKind::Schlick { .. } => {
+            let head_on = fresnel(1.0, [ior, 0.0]);
+            (1.0 - head_on) * (1.0 - (1.0 - cos).powi(5))
+        }
+        _ => 1.0 - fresnel(cos, [ior, 0.0]),
+    }
+}
+
 /// Smith's Λ by the tangent.
 fn lambda(alpha: f64, cos: f64) -> f64 {
     let tan2 = 1.0 / (cos * cos) - 1.0;
@@ -76,7 +87,7 @@ fn wanted(m: &Material, p: &PackedMaterial, n: DVec3, wi: DVec3, wo: DVec3, band
     f += scattered_again(m, p, band, alpha, [ci, co]);
     if m.diffuse[band] > 0.0 {
         let ior = f64::from(p.ior);
-        let passes = |c: f64| 1.0 - fresnel(c, [ior, 0.0]);
+        let passes = |c: f64| passed(m, ior, c);
         f += f64::from(p.diffuse[band]) / PI * passes(ci) * passes(co);
     }
     (f, [ci / PI, d / ((1.0 + lo) * 4.0 * co)])
@@ -203,7 +214,7 @@ fn facets_are_their_formulas() {
         let co = wo.dot(n);
         let most = |of: &dyn Fn(usize) -> f64| (0..3).map(of).fold(0.0, f64::max);
         let reflected = most(&|b| reflectance(m, p, b, co));
-        let passes = 1.0 - fresnel(co, [f64::from(p.ior), 0.0]);
+        let passes = passed(m, f64::from(p.ior), co);
         let base = most(&|b| f64::from(p.diffuse[b])) * passes * f64::from(p.coat_transmittance);
         for (got, wanted) in floats(weights).into_iter().zip([base, reflected, 0.0, 0.0]) {
             assert!((f64::from(got) - wanted).abs() < 2e-5, "{what}: weight {got}, not {wanted}");

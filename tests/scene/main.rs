@@ -2,6 +2,7 @@
 
 mod camera;
 mod doubts;
+mod facets;
 mod folder;
 mod formats;
 mod glass;

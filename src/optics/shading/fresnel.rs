@@ -27,6 +27,15 @@ impl Fresnel {
         }
     }
 
+    /// Of the coat over a material's base, the same in all bands: by Schlick's formula where its lobe is.
+    pub(super) fn of_bare_coat(m: &PackedMaterial) -> Self {
+        if m.flags().is_schlick() {
+            Self::Schlick { head_on: [((m.ior - 1.0) / (m.ior + 1.0)).powi(2); BANDS] }
+        } else {
+            Self::Coat { tint: [1.0; BANDS], ior: m.ior }
+        }
+    }
+
     /// Reflectance for even light; none of a coat, of which so little goes on that it does not count.
     pub(super) fn of_even_light(&self) -> Bands {
         match self {

@@ -147,7 +147,7 @@ impl Microfacet {
 
     /// The mirror image of `wo` about one of the facets; it may lie below the surface.
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, u: [f32; 2]) -> Vec3 {
-        let h = if self.has_width() { self.ggx.normal(wo, n, u) } else { n };
+        let h = self.ggx.normal(wo, n, u);
         (h * (2.0 * wo.dot(h)) - wo).normalize()
     }
 
@@ -159,9 +159,6 @@ impl Microfacet {
         }
         let h = (wi + wo).normalize();
         let once = scale(&self.fresnel.at(wo.dot(h)), self.ggx.seen_again(cos_i, cos_o));
-        if !self.has_width() {
-            return once;
-        }
         let pdf = self.ggx.pdf(h, n, cos_o);
         add(&once, &scale(&self.again(cos_i, cos_o), cos_i / pdf.max(f32::MIN_POSITIVE)))
     }

@@ -148,6 +148,7 @@ impl DeltaLobe {
     pub(crate) fn sample(&self, f: &Frame, u: [f32; 2]) -> Option<Vec3> {
         match self {
             Self::Mirror(m) => m.sample(f, u),
+            Self::Facets(m) if !m.has_width() => Some(Mirror::direction(f)),
             Self::Facets(m) => {
                 let w = m.sample(f.back, f.specular_normal(), u);
                 Some(w).filter(|w| w.dot(f.ng) > 0.0 && w.dot(f.specular_normal()) > 0.0)
@@ -161,6 +162,7 @@ impl DeltaLobe {
     pub(crate) fn through(&self, f: &Frame, w: Vec3) -> Bands {
         match self {
             Self::Mirror(m) => m.albedo,
+            Self::Facets(m) if !m.has_width() => m.albedo,
             Self::Facets(m) => m.reflected(w, f.back, f.specular_normal()),
             Self::Interface(w) => w.albedo,
             Self::RoughInterface(way) => way.through(f, w),

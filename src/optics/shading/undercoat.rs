@@ -1,6 +1,6 @@
-//! What is diffuse under a clear coat: f_r = albedo/π T(θi) T(θo), T = 1 − F of the coat \[E42\]. Twin: shaders/shading/undercoat.wgsl.
+//! What is diffuse under a clear coat: f_r = albedo/π T(θi) T(θo), T = 1 − R of the coat \[E42\]. Twin: shaders/shading/undercoat.wgsl.
 
-use crate::optics::shading::dielectric::fresnel;
+use crate::optics::shading::fresnel::Fresnel;
 use crate::packed::PackedMaterial;
 use crate::sampling::distributions::{cosine_hemisphere, to_world};
 use crate::spectrum::{Bands, scale};
@@ -12,8 +12,8 @@ use std::f32::consts::FRAC_1_PI;
 pub(crate) struct Undercoat {
     /// What leaves the base over what enters the coat, per band.
     base: Bands,
-    /// Index of the coat.
-    ior: f32,
+    /// The bare coat.
+    coat: Fresnel,
     /// Reflectance for light that leaves, or arrives, at the angle of the view.
     pub(super) albedo: Bands,
 }
@@ -21,13 +21,14 @@ pub(crate) struct Undercoat {
 impl Undercoat {
     /// Of a material seen at this cosine to the normal.
     pub(super) fn new(m: &PackedMaterial, cosine: f32) -> Self {
-        let passes = passed(cosine, m.ior) * m.coat_transmittance;
-        Self { base: m.diffuse, ior: m.ior, albedo: scale(&m.diffuse, passes) }
+        let coat = Fresnel::of_bare_coat(m);
+        let passes = passed(&coat, cosine) * m.coat_transmittance;
+        Self { base: m.diffuse, coat, albedo: scale(&m.diffuse, passes) }
     }
 
     /// f_r, 1/sr.
     pub(super) fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
-        scale(&self.base, FRAC_1_PI * passed(wi.dot(n), self.ior) * passed(wo.dot(n), self.ior))
+        scale(&self.base, FRAC_1_PI * passed(&self.coat, wi.dot(n)) * passed(&self.coat, wo.dot(n)))
     }
 
     /// pdf_solid_angle of [`Undercoat::sample`].
@@ -42,6 +43,6 @@ impl Undercoat {
 }
 
 /// Part of light at this cosine that the coat lets through.
-fn passed(cosine: f32, ior: f32) -> f32 {
-    1.0 - fresnel(cosine.clamp(0.0, 1.0), ior)
+fn passed(coat: &Fresnel, cosine: f32) -> f32 {
+    1.0 - coat.at(cosine)[0]
 }
