@@ -38,14 +38,18 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     text = (ROOT / "docs/MATERIALS.md").read_text()
     stripes = "\n  ".join(STRIPE.format(x=0.7 * i) for i in range(-8, 9))
-    for name, lines in re.findall(r"^## (.+?)\n(?:(?!^## ).*\n)*?```toml\n(.*?)```", text, re.M | re.S):
-        material = ", ".join(lines.strip().splitlines())
+    for section in re.split(r"^## ", text, flags=re.M)[1:]:
+        name = section.splitlines()[0]
+        block = re.search(r"```toml\n(.*?)```", section, re.S)
+        if block is None:
+            continue
+        material = ", ".join(block.group(1).strip().splitlines())
         picture = folder / (name.lower().replace(" ", "-") + ".png")
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as scene:
             scene.write(SCENE.format(material=material, stripes=stripes))
             scene.flush()
             subprocess.run([joton, "render", scene.name, "--device", "cpu", "--passes", "32", "-o", str(picture), "--quiet"], check=True)
-        print(picture.relative_to(ROOT))
+        print(picture.relative_to(ROOT), flush=True)
 
 
 if __name__ == "__main__":
