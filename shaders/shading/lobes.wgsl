@@ -59,7 +59,9 @@ fn at_angle(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: b
         }
         let cosine = -dot(direction, n);
         let under_coat = select(1.0, undercoat_albedo(m, cosine), is_coated(m));
-        return AtAngle(facet_reflectance(m, facet_tint(m), cosine), under_coat);
+        // where the tint is black there is no lobe, whatever Schlick's formula says
+        let has_lobe = (m.flag_bits & (GLOSSY | SPECULAR)) != 0u;
+        return AtAngle(select(Bands(0.0), facet_reflectance(m, facet_tint(m), cosine), has_lobe), under_coat);
     }
     return AtAngle(dielectric_reflectance(m, n, direction, from_front), 1.0);
 }

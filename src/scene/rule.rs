@@ -122,9 +122,10 @@ fn spectra(raw: &RawMaterial, kind: Kind) -> Option<Arc<MaterialSpectra>> {
     let RawSpectra { kd, ks, tf, ke, ni } = raw.spectra.clone();
     let of = |is_meant: bool, spectrum: Option<Spectrum>| spectrum.filter(|_| is_meant);
     let is_glass = kind == Kind::Glass;
+    // what is diffuse then follows from its colour
+    let is_half_metal = kind == Kind::Principled && raw.pm.is_some_and(|pm| pm.value > 0.0);
     let spectra = MaterialSpectra {
-        // what a part of which is metal has follows from its colour
-        diffuse: of(!is_glass && !(kind == Kind::Principled && raw.pm.is_some_and(|pm| pm.value > 0.0)), kd),
+        diffuse: of(!is_glass && !is_half_metal, kd),
         glossy: of(matches!(kind, Kind::Glossy | Kind::Metal | Kind::Plastic), ks.clone()),
         specular: of(is_glass || kind == Kind::Mirror, ks),
         transmission: of(is_glass, tf),
