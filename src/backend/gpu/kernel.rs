@@ -87,7 +87,16 @@ impl Kernel {
     pub fn new(context: &Context, path: &str, entry: &str, overrides: &[(&str, f64)]) -> Result<Self> {
         let small_scene = overrides.iter().any(|(name, value)| *name == SMALL_SCENE && *value != 0.0);
         let split_heap = overrides.iter().any(|(name, _)| *name == HEAP_PART);
-        let variant = Variant { subgroups: context.has_subgroups(), small_scene, split_heap };
+        // what the features leave out is not even read by the driver
+        let is_without =
+            |feature: &str| overrides.iter().any(|(name, value)| *name == feature && *value == 0.0);
+        let variant = Variant {
+            subgroups: context.has_subgroups(),
+            small_scene,
+            split_heap,
+            no_facets: is_without("HAS_FACETS"),
+            no_textures: is_without("HAS_TEXTURES") && is_without("HAS_CUTOUTS"),
+        };
         Self::from_source(context, path, &shaders::link(path, variant)?, entry, overrides)
     }
 

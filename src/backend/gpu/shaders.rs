@@ -17,6 +17,10 @@ pub struct Variant {
     pub small_scene: bool,
     /// The heap is more than one binding holds.
     pub split_heap: bool,
+    /// No surface is of microfacets.
+    pub no_facets: bool,
+    /// No surface has a texture, and none is cut.
+    pub no_textures: bool,
 }
 
 /// A kernel file with everything it imports and the shared structs.
@@ -36,12 +40,18 @@ pub fn link_source(text: &str, variant: Variant) -> Result<String> {
     let mut done: Vec<&str> = Vec::new();
     append(text, &mut linked, &mut done)?;
     for (wanted, file, other) in [
-        (!variant.subgroups, "maps/lanes.wgsl", "maps/lanes_alone.wgsl"),
-        (variant.small_scene, "scene/scene.wgsl", "scene/scene_small.wgsl"),
-        (variant.split_heap, "scene/heap.wgsl", "scene/heap_split.wgsl"),
+        (!variant.subgroups, "maps/lanes.wgsl", Some("maps/lanes_alone.wgsl")),
+        (variant.small_scene, "scene/scene.wgsl", Some("scene/scene_small.wgsl")),
+        (variant.split_heap, "scene/heap.wgsl", Some("scene/heap_split.wgsl")),
+        (variant.no_facets, "shading/fresnel.wgsl", Some("shading/no_facets.wgsl")),
+        (variant.no_facets, "shading/undercoat.wgsl", None),
+        (variant.no_facets, "shading/microfacet.wgsl", None),
+        (variant.no_facets, "shading/rough_interface.wgsl", None),
+        (variant.no_textures, "shading/texture.wgsl", Some("shading/no_textures.wgsl")),
+        (variant.no_textures, "accel/cutout.wgsl", Some("accel/no_cutouts.wgsl")),
     ] {
         if wanted {
-            linked = linked.replace(find(file)?, find(other)?);
+            linked = linked.replace(find(file)?, other.map_or(Ok(""), find)?);
         }
     }
     Ok(linked)

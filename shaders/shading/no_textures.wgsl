@@ -1,0 +1,15 @@
+// Where no surface has a texture and none is cut: in place of texture.wgsl. See no_facets.wgsl.
+// import: scene/scene.wgsl
+
+struct TexturePlace {
+    uv: vec2<f32>,
+    per_unit: f32,
+}
+
+fn texture_place(triangle: u32, t: PackedTriangle, b: vec2<f32>) -> TexturePlace {
+    return TexturePlace(vec2(0.0), 0.0);
+}
+
+fn texture_lookup(number: u32, uv: vec2<f32>, width: f32) -> vec4<f32> {
+    return vec4(1.0);
+}
