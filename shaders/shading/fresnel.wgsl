@@ -26,6 +26,13 @@ fn fresnel_conductor(cos_i: f32, eta: Bands, k: Bands) -> Bands {
     return 0.5 * rs * (1.0 + ratio);
 }
 
+// (1 − cosθ)⁵, by which Schlick's formula goes from what is reflected head on to all.
+fn schlick_rise(cosine: f32) -> f32 {
+    let rest = 1.0 - cosine;
+    let square = rest * rest;
+    return square * square * rest;
+}
+
 // Of an opaque material's microfacets; `tint` is what it says of the lobe.
 fn facet_reflectance(m: PackedMaterial, tint: Bands, cosine: f32) -> Bands {
     let c = clamp(cosine, 0.0, 1.0);
@@ -33,9 +40,7 @@ fn facet_reflectance(m: PackedMaterial, tint: Bands, cosine: f32) -> Bands {
         return tint * fresnel_conductor(c, m.iors, m.extinction);
     }
     if (m.flag_bits & SCHLICK) != 0u {
-        let rest = 1.0 - c;
-        let square = rest * rest;
-        return tint + (1.0 - tint) * (square * square * rest);
+        return tint + (1.0 - tint) * schlick_rise(c);
     }
     return tint * fresnel(c, m.ior);
 }

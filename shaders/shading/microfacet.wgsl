@@ -5,7 +5,7 @@
 
 // Density of normals, 1/sr.
 fn ggx_density(alpha: f32, n: vec3<f32>, h: vec3<f32>) -> f32 {
-    // the tangent of the angle by a cross product: near the normal a cosine has no digits
+    // the sine of the angle by a cross product: near the normal a cosine has no digits
     let across = cross(n, h);
     let cos_h = dot(n, h);
     let a2 = alpha * alpha;

@@ -6,22 +6,20 @@
 //! - A texture is the colour of what is diffuse; metal, whose colour is one, has its mean.
 //! - Whatever its kind, roughness r is α = r² of GGX.
 
-use super::material::GREY;
+use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, RawMaterial};
 use super::texture::Texture;
 use super::{FacetKind, Facets, Inner, Material};
-use crate::spectrum::{self, BANDS, BLACK, Bands};
+use crate::spectrum::{self, BLACK, Bands};
 use std::sync::Arc;
 
-/// All light.
-const WHITE: Bands = [1.0; BANDS];
 /// Index of refraction of a coat where nothing is said: that of most lacquers and plastics.
 const COAT_IOR: f32 = 1.5;
 /// Roughness of a principled material where nothing is said.
 const PRINCIPLED_ROUGHNESS: f32 = 0.5;
 
 /// α of GGX; `unstated` is a roughness.
-pub(super) fn alpha(raw: &RawMaterial, unstated: f32) -> f32 {
+fn alpha(raw: &RawMaterial, unstated: f32) -> f32 {
     let roughness = raw.pr.map_or(unstated, |pr| pr.value);
     raw.alpha.map_or(roughness * roughness, |alpha| alpha.value).clamp(0.0, 1.0)
 }

@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 /// Reflectance where a file says nothing: middle grey.
 pub(crate) const GREY: Bands = [0.5; BANDS];
+/// All light.
+pub(crate) const WHITE: Bands = [1.0; BANDS];
 
 /// A surface. An opaque one reflects `diffuse` (times its texels) + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
 /// but reflects and transmits by Fresnel.

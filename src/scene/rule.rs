@@ -20,18 +20,16 @@
 //! 8. map_d is the opacity of what is opaque and does not shine: its own, else its luminance. d or Tr alone never make an
 //!    opaque material transparent.
 
-use super::material::GREY;
+use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
 use super::texture::{Opacity, Texture};
 use super::warnings::{Named, Warnings};
 use super::{Dielectric, Material, MaterialSpectra, facets};
-use crate::spectrum::{self, BANDS, BLACK, Bands, Spectrum};
+use crate::spectrum::{self, BLACK, Bands, Spectrum};
 use crate::{Error, Result};
 use std::sync::Arc;
 
-/// All light.
-const WHITE: Bands = [1.0; BANDS];
 /// Index of refraction where glass gives none: window glass.
 const DEFAULT_IOR: f32 = 1.5;
 /// Indices of refraction beyond this are a mistake in the file (diamond has 2.4, silicon 4).

@@ -221,39 +221,31 @@ const KEYS_OF_KINDS: [(&str, &[Kind]); 5] = [
     ("saturated", &[Kind::Plastic]),
 ];
 
+/// Kinds, and the words of scene files for them.
+const KINDS: [(&str, Kind); 7] = [
+    ("matte", Kind::Matte),
+    ("mirror", Kind::Mirror),
+    ("glass", Kind::Glass),
+    ("glossy", Kind::Glossy),
+    ("metal", Kind::Metal),
+    ("plastic", Kind::Plastic),
+    ("principled", Kind::Principled),
+];
+
 /// Kinds as a scene file writes them.
 fn words_of(kinds: &[Kind]) -> String {
-    let word = |kind: &Kind| match kind {
-        Kind::Matte => "\"matte\"",
-        Kind::Mirror => "\"mirror\"",
-        Kind::Glass => "\"glass\"",
-        Kind::Glossy => "\"glossy\"",
-        Kind::Metal => "\"metal\"",
-        Kind::Plastic => "\"plastic\"",
-        Kind::Principled => "\"principled\"",
-    };
-    kinds.iter().map(word).collect::<Vec<_>>().join(" or ")
+    let words = KINDS.iter().filter(|(_, kind)| kinds.contains(kind)).map(|(word, _)| format!("\"{word}\""));
+    words.collect::<Vec<_>>().join(" or ")
 }
 
 /// Without `type`, what is stated replaces statements of the MTL; with it, the material is defined from scratch.
 fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
-    let kind = table.optional_string("type")?;
-    let kind = match kind.as_ref().map(|k| (k.value.as_str(), k.line)) {
+    let kind = match table.optional_string("type")? {
         None => None,
-        Some(("matte", _)) => Some(Kind::Matte),
-        Some(("mirror", _)) => Some(Kind::Mirror),
-        Some(("glass", _)) => Some(Kind::Glass),
-        Some(("glossy", _)) => Some(Kind::Glossy),
-        Some(("metal", _)) => Some(Kind::Metal),
-        Some(("plastic", _)) => Some(Kind::Plastic),
-        Some(("principled", _)) => Some(Kind::Principled),
-        Some((other, line)) => {
-            return Err(table.unknown(
-                line,
-                "type of material",
-                other,
-                &["matte", "mirror", "glass", "glossy", "metal", "plastic", "principled"],
-            ));
+        Some(At { value, line }) => {
+            let known = KINDS.into_iter().find(|(word, _)| *word == value);
+            let unknown = || table.unknown(line, "type of material", &value, &KINDS.map(|(word, _)| word));
+            Some(known.ok_or_else(unknown)?.1)
         }
     };
     for (key, kinds) in KEYS_OF_KINDS {
