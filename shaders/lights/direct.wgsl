@@ -24,8 +24,6 @@ struct Receiver {
     wo: vec3<f32>,
     // Shadow rays share their weight with BSDF samples.
     shares: bool,
-    // Narrow lobes, too, show lights without area.
-    with_narrow: bool,
 }
 
 // The points of a sequence that light samples take: the first one, and whose sequence it is.
@@ -111,12 +109,7 @@ fn direct_light(r: Receiver, draws: LightDraws, u: vec4<f32>) -> DirectLight {
                 let pdf = candidates * light.pdf;
                 weight *= pdf / (pdf + pdf_scatter(r.material, r.shading, light.wi, r.wo));
             }
-            var f = eval_scatter(r.material, r.shading, light.wi, r.wo);
-            if r.with_narrow && light.pdf <= 0.0 {
-                // what has an area is met where the lobe is followed
-                f += eval_narrow(r.material, r.shading, light.wi, r.wo);
-            }
-            let gives = f * light.weight * weight;
+            let gives = eval_scatter(r.material, r.shading, light.wi, r.wo) * light.weight * weight;
             let size = max_band(gives);
             if size > 0.0 {
                 found += 1u;

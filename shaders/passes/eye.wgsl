@@ -1,5 +1,6 @@
 // Eye: one camera path per pixel, through mirrors and glass to the first diffuse surface: a gather point.
-// Emission that is met on the way goes to the film (E S* L), weighed beside that of the glint kernel's trees [E25].
+// Emission that is met on the way, and that light samples find in lobes that are followed, goes to the film (E S* L), weighed beside that
+// of the glint kernel's trees [E25, E44].
 // reads  scene, tiles, path_filter      writes  gather_points, film_emission, status
 // import: scene/features.wgsl
 // import: camera/strip.wgsl
@@ -11,6 +12,7 @@
 // import: shading/surface.wgsl
 // import: shading/bsdf.wgsl
 // import: lights/le.wgsl
+// import: lights/followed.wgsl
 // import: camera/camera.wgsl
 // import: paths/gather_point.wgsl
 // import: paths/survival.wgsl
@@ -34,7 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let choices = sobol2(sample, sequence_seed(pass_info.seed, pixel, STREAM_CHOICE));
     let level = gather_points[held(pixel)].glint_level;
     let trees = trees_a_pass(level);
-    var splits = Splits(1.0, 1.0);
+    var splits = Splits(1.0, 1.0, 0.0);
     let camera = sample_camera(pixel, sample, pass_info.seed, STREAM_JITTER);
     var start = Departure(camera.origin, 0.0);
     var direction = camera.direction;
@@ -44,20 +46,21 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level, 0u, 0u);
     var events = 0u;
     var rays = 0u;
+    var saved = 0u;
 
     loop {
         rays += 1u;
         let hit = nearest_hit(start.origin, direction, start.t_back);
         let is_wanted = !HAS_PATH_FILTER || path_wanted(PATH_START, events);
         if hit.triangle == MISS {
-            emission += select(Bands(0.0), throughput * on_miss(direction) * weight_of_eye(splits, trees), is_wanted);
+            emission += select(Bands(0.0), throughput * on_miss(direction) * weight_of_eye(splits, trees, 0.0), is_wanted);
             break;
         }
         path_length += hit.t;
         let s = surface_at(hit);
         var b = bsdf_at(s, direction, seen_width(path_length));
         if is_wanted {
-            emission += throughput * le_at(b) * weight_of_eye(splits, trees);
+            emission += throughput * le_at(b) * weight_of_eye(splits, trees, pdf_of_lights(s, b, hit.t));
         }
         let weights = weights_at(b, throughput);
         let followed = delta_weight(weights);
@@ -65,26 +68,34 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if kept <= 0.0 {
             break;
         }
+        if HAS_DISPERSION {
+            b = with_band(b, throughput, golden(sample, sequence_seed(pass_info.seed, pixel, STREAM_EYE_BAND)));
+        }
+        if HAS_FOLLOWED_LIGHT && (!HAS_PATH_FILTER || path_wanted(PATH_START, events + 1u)) {
+            let first = wide_product(sample, pass_info.light_candidates);
+            let draws = LightDraws(vec2(first.x, first.y + events), pixel, STREAM_FOLLOWED_LIGHT);
+            let choice = random4(pass_info.seed, sample, pixel, DIMENSION_FOLLOWED + events).x;
+            let found = light_in_lobes(s, b, weights, splits, trees, draws, choice);
+            emission += throughput * found.light;
+            rays += found.rays;
+            saved += found.saved;
+        }
         let random = random4(pass_info.seed, sample, pixel, DIMENSION_EYE + events);
         var choice = random.x;
         if events < 2u {
             choice = select(choices.y, choices.x, events == 0u);
         }
-        let stop = stop_weight(b.material, weights);
-        let ways = stop + followed;
-        choice *= ways;
+        let stop = scatter_weight(weights);
+        choice *= kept;
         if choice < stop {
             let albedo = kept_albedo(b.material);
             point = GatherPoint(
                 s.position + b.geometric * s.lift, gather_surface(s.material, events, b.from_front),
-                throughput * (ways / stop), path_length,
+                throughput * (kept / stop), path_length,
                 encode_direction(b.geometric), encode_direction(b.shading), encode_direction(-direction), level,
                 albedo.x, albedo.y,
             );
             break;
-        }
-        if HAS_DISPERSION {
-            b = with_band(b, throughput, golden(sample, sequence_seed(pass_info.seed, pixel, STREAM_EYE_BAND)));
         }
         let lobe = chosen_delta(weights, choice - stop);
         let next = sample_delta_at(b, lobe, random.yz);
@@ -94,11 +105,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if max_band(next.weight) <= 0.0 || random.w >= survives {
             break;
         }
-        throughput *= albedo_at(b, lobe) * (ways / (survives * weight_of(weights, lobe)) * next.radiance_scale);
+        throughput *= albedo_at(b, lobe) * (kept / (survives * weight_of(weights, lobe)) * next.radiance_scale);
         if HAS_FACETS {
             throughput *= next.weight;
         }
-        splits = splits_after(splits, weights, lobe);
+        splits = splits_after(splits, weights, lobe, pdf_delta_at(b, lobe, next.direction));
         direction = next.direction;
         start = departure(s, direction, b.from_front);
         events += 1u;
@@ -108,6 +119,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
     }
     count(STATUS_RAYS, STATUS_RAYS_HIGH, rays);
+    if HAS_FOLLOWED_LIGHT && saved > 0u {
+        count(STATUS_SHADOW_RAYS_SAVED, STATUS_SHADOW_RAYS_SAVED_HIGH, saved);
+    }
     if traversal_cut {
         atomicAdd(&status[STATUS_TRAVERSAL_CUT], 1u);
     }

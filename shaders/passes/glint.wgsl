@@ -15,6 +15,7 @@
 // import: paths/survival.wgsl
 // import: paths/paths.wgsl
 // import: lights/reservoir.wgsl
+// import: lights/followed.wgsl
 // import: paths/splits.wgsl
 // import: paths/trees.wgsl
 
@@ -60,7 +61,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
     var found = Seen(Bands(0.0), false, false, 0u);
     var node = 0u;
     let camera = sample_camera(pixel, number.x, seed, STREAM_GLINT_JITTER);
-    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0), Bands(1.0), 0.0, camera.travelled);
+    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0, 0.0), Bands(1.0), 0.0, camera.travelled);
     var alive = true;
     // A tree may have more rays than an invocation's loops. From half of its steps on one way goes on for all that are left,
     // picked by what they carry: to let each end by chance instead makes the few that remain hundreds of times too bright.
@@ -89,8 +90,8 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
         found.rays += 1u;
         let hit = nearest_hit(way.origin, way.direction, way.t_back);
         let is_wanted = pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events);
-        let weight = select(weight_of_tree(way.splits, trees), 1.0, pilot);
         if hit.triangle == MISS {
+            let weight = select(weight_of_tree(way.splits, trees, 0.0), 1.0, pilot);
             found.emission += select(Bands(0.0), way.throughput * on_miss(way.direction) * weight, is_wanted);
             continue;
         }
@@ -99,7 +100,8 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
         var b = bsdf_at(s, way.direction, seen_width(way.length));
         let light = le_at(b);
         if max_band(light) > 0.0 && is_wanted {
-            found.emission += way.throughput * light * weight;
+            let weight = weight_of_tree(way.splits, trees, pdf_of_lights(s, b, hit.t));
+            found.emission += way.throughput * light * select(weight, 1.0, pilot);
             found.direct = way.events == 0u;
         }
         let weights = weights_at(b, way.throughput);
@@ -157,7 +159,7 @@ fn after(way: Way, s: Surface, b: Bsdf, weights: LobeWeights, lobe: u32, u: vec2
     if HAS_FACETS {
         throughput *= sample.weight;
     }
-    let splits = splits_after(way.splits, weights, lobe);
+    let splits = splits_after(way.splits, weights, lobe, pdf_delta_at(b, lobe, sample.direction));
     let next = Way(start.origin, way.events + 1u, sample.direction, splits, throughput, start.t_back, way.length);
     return Next(next, max_band(sample.weight) > 0.0 && max_band(throughput) > 0.0);
 }

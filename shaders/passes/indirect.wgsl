@@ -224,7 +224,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
         let throughput = (*p).throughput * (kept / scattered);
         let origin = s.position + b.geometric * s.lift;
         let receiver = Receiver(
-            b.material, origin, b.geometric, b.shading, -direction, does_vary(b.material) || near_emitter(origin), false,
+            b.material, origin, b.geometric, b.shading, -direction, does_vary(b.material) || near_emitter(origin),
         );
         steps += min(pass_info.emitters, NEAR_EMITTERS_MAX);
         if !HAS_PATH_FILTER || (((*p).accepted >> path_step(PATH_START, EVENT_D)) & 1u) != 0u {

@@ -1,5 +1,6 @@
 // Splits: where a camera tree takes both ways, and how likely an eye path is to go where a tree goes anyway [E25].
 // Twin: src/backend/cpu/splits.rs.
+// import: scene/features.wgsl
 // import: shading/lobes.wgsl
 
 struct Splits {
@@ -7,6 +8,8 @@ struct Splits {
     share: f32,
     // Chance that an eye path, which picks one way by its flux, took these where a tree takes both.
     chance: f32,
+    // pdf_solid_angle of an eye path's last direction, and lobe; 0 where no light sample may have found what it meets.
+    pdf: f32,
 }
 
 // The lobes of an interface by what they keep.
@@ -27,20 +30,39 @@ fn takes_both(s: Splits, w: LobeWeights) -> bool {
     return min(w.reflection, w.transmission) * s.share >= SPLIT_MIN;
 }
 
-// Weight of the emission that an eye path meets, beside so many trees a pass: the balance heuristic.
-fn weight_of_eye(s: Splits, trees: f32) -> f32 {
-    return s.chance / (s.chance + trees);
+// Eye paths and the light samples of their last vertex, which have this pdf_solid_angle, in the measure of `chance`.
+fn without_trees(s: Splits, pdf_light: f32) -> f32 {
+    if HAS_FOLLOWED_LIGHT && s.pdf > 0.0 {
+        return s.chance * (1.0 + pdf_light / s.pdf);
+    }
+    return s.chance;
+}
+
+// Weight of the emission that an eye path meets, beside so many trees a pass, and light samples: the balance heuristic.
+fn weight_of_eye(s: Splits, trees: f32, pdf_light: f32) -> f32 {
+    return s.chance / (without_trees(s, pdf_light) + trees);
 }
 
 // Weight of the emission that each of so many trees a pass meets.
-fn weight_of_tree(s: Splits, trees: f32) -> f32 {
-    return 1.0 / (s.chance + trees);
+fn weight_of_tree(s: Splits, trees: f32, pdf_light: f32) -> f32 {
+    return 1.0 / (without_trees(s, pdf_light) + trees);
 }
 
-// After a delta lobe that was taken where all have these weights. Where a tree takes one way only, it picks among the delta lobes as
-// an eye path does.
-fn splits_after(s: Splits, w: LobeWeights, lobe: u32) -> Splits {
+// Weight of what light samples find in the lobe that these splits are after.
+fn weight_of_light(s: Splits, trees: f32, pdf_light: f32) -> f32 {
+    let by_light = s.chance * pdf_light;
+    return by_light / (by_light + (s.chance + trees) * s.pdf);
+}
+
+// After a delta lobe that was taken where all have these weights, in a direction with this pdf_solid_angle of the lobe, 0 where it has no
+// width. Where a tree takes one way only, it picks among the delta lobes as an eye path does.
+fn splits_after(s: Splits, w: LobeWeights, lobe: u32, pdf: f32) -> Splits {
     let followed = delta_weight(w);
+    let kept = scatter_weight(w) + followed;
     let taken = select(followed, weight_of(w, lobe), takes_both(s, w));
-    return Splits(s.share * taken, s.chance * taken / (scatter_weight(w) + followed));
+    var after = Splits(s.share * taken, s.chance * taken / kept, 0.0);
+    if HAS_FOLLOWED_LIGHT {
+        after.pdf = pdf * weight_of(w, lobe) / kept;
+    }
+    return after;
 }

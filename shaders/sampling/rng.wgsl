@@ -111,6 +111,8 @@ const STREAM_GLINT_BAND: u32 = 12u;
 const STREAM_INDIRECT_BAND: u32 = 13u;
 const STREAM_CAUSTIC_BAND: u32 = 14u;
 const STREAM_DIFFUSE_BAND: u32 = 15u;
+// A shadow ray at a vertex whose lobe is followed: one a pixel, the number of the event as the high word of the index.
+const STREAM_FOLLOWED_LIGHT: u32 = 16u;
 // Dimensions of hashed numbers: one for each event of a path, in a range for each kind of path.
 const DIMENSION_EYE: u32 = 0u;
 const DIMENSION_DIRECT: u32 = 0x10000u;
@@ -121,3 +123,4 @@ const DIMENSION_UNSEEN: u32 = 0x50000u;
 const DIMENSION_GLINT_ALONE: u32 = 0x60000u;
 // Three for each event.
 const DIMENSION_INDIRECT: u32 = 0x70000u;
+const DIMENSION_FOLLOWED: u32 = 0x80000u;

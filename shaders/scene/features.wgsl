@@ -14,6 +14,8 @@ override HAS_FACETS: bool = true;
 override HAS_WAVELENGTHS: bool = true;
 // Some dielectric has an index that differs between the bands.
 override HAS_DISPERSION: bool = true;
+// Light samples may lie in some lobe that is followed.
+override HAS_FOLLOWED_LIGHT: bool = true;
 override HAS_PATH_FILTER: bool = true;
 // Some emitter has a warp.
 override HAS_WARPS: bool = true;

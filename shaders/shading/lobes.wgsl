@@ -6,6 +6,7 @@
 // import: shading/phong.wgsl
 // import: shading/mirror.wgsl
 // import: shading/dielectric.wgsl
+// import: shading/fresnel.wgsl
 // import: shading/undercoat.wgsl
 // import: shading/microfacet.wgsl
 // import: shading/rough_interface.wgsl
@@ -30,12 +31,6 @@ fn does_scatter(m: PackedMaterial) -> bool {
 // True where the BRDF depends on directions.
 fn does_vary(m: PackedMaterial) -> bool {
     return (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || is_coated(m);
-}
-
-// True for a lobe of finite width that is followed as a mirror is, where there are lights that are not met so.
-fn is_narrow(m: PackedMaterial) -> bool {
-    return HAS_SPECULAR && HAS_DELTA_LIGHTS
-        && (m.specular_exponent > 0.0 || (has_facets(m) && m.alpha > 0.0 && (m.flag_bits & SPECULAR) != 0u));
 }
 
 // What of a material depends on the angle at which light arrives.
@@ -154,12 +149,6 @@ fn delta_weight(w: LobeWeights) -> f32 {
     return w.mirror + w.reflection + w.transmission;
 }
 
-// How much weight an eye path gives to stopping here: lights without area are seen in a narrow lobe only from a path that stops.
-fn stop_weight(m: PackedMaterial, w: LobeWeights) -> f32 {
-    let scatter = scatter_weight(w);
-    return select(scatter, max(scatter, NARROW_STOPS * w.mirror), is_narrow(m));
-}
-
 // Weights as probabilities of Russian roulette: where the bands' maxima add up to more than one, scaled down to one, and late in a
 // path to less [E3].
 fn roulette(w: LobeWeights, events: u32) -> LobeWeights {
@@ -210,17 +199,6 @@ fn eval_scatter(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -
         }
     }
     return f;
-}
-
-// BRDF of a narrow lobe, 1/sr, for lights without area: following it never meets them [E6].
-fn eval_narrow(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
-    if !is_narrow(m) {
-        return Bands(0.0);
-    }
-    if has_facets(m) {
-        return microfacet_eval(m, m.specular, n, wi, wo);
-    }
-    return phong_eval(m.specular, m.specular_exponent, n, wi, wo);
 }
 
 // Probability that a sample of the lobes that scatter takes the diffuse one.

@@ -59,6 +59,18 @@ fn rough_reflectance(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from
     return Bands(0.0);
 }
 
+fn rough_pdf(
+    m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
+) -> f32 {
+    return 0.0;
+}
+
+fn rough_weight(
+    m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
+) -> Bands {
+    return Bands(0.0);
+}
+
 fn rough_sample(
     m: PackedMaterial, transmits: bool, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, from_front: bool, u: vec2<f32>,
 ) -> RoughSample {

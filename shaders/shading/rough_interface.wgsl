@@ -29,6 +29,50 @@ fn rough_facet(m: PackedMaterial, cos_h: f32, from_front: bool) -> Bands {
     return Bands(fresnel(cos_h, 1.0 / eta_across(m.ior, from_front)));
 }
 
+// The normal of the facet that sends light between the ray and w, on the ray's side; w its length before it was made one.
+fn rough_facet_normal(
+    m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
+) -> vec4<f32> {
+    // of refraction tangential parts add up to nothing
+    let sum = select(w - direction, direction * eta_across(m.ior, from_front) - w, transmits);
+    let size = max(length(sum), 1e-20);
+    let h = sum / size;
+    return vec4(select(h, -h, dot(h, n) < 0.0), size);
+}
+
+// pdf_solid_angle of rough_sample: the density of the facets that the ray sees over the solid angle that turning one sweeps.
+fn rough_pdf(
+    m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
+) -> f32 {
+    let facet = rough_facet_normal(m, transmits, direction, n, from_front, w);
+    let h = facet.xyz;
+    let cos_o = -dot(direction, n);
+    let cos_h = -dot(direction, h);
+    let cos_w = dot(w, h);
+    if cos_o <= 0.0 || cos_h <= 0.0 || (cos_w < 0.0) != transmits {
+        return 0.0;
+    }
+    let seen = 2.0 * ggx_density(m.alpha, n, h) / (cos_o + ggx_slope(m.alpha, cos_o));
+    return seen * select(0.25, cos_h * -cos_w / (facet.w * facet.w), transmits);
+}
+
+// f cosθ / (share pdf) toward w, the share that of rough_reflectance.
+fn rough_weight(
+    m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
+) -> Bands {
+    let h = rough_facet_normal(m, transmits, direction, n, from_front, w).xyz;
+    let cos_w = dot(w, n);
+    if (cos_w < 0.0) != transmits {
+        return Bands(0.0);
+    }
+    let reflected = rough_facet(m, clamp(-dot(direction, h), 0.0, 1.0), from_front);
+    let share = rough_reflectance(m, n, direction, from_front);
+    if transmits {
+        return (1.0 - reflected) / (1.0 - share) * ggx_seen(m.alpha, -cos_w);
+    }
+    return reflected / share * ggx_seen_again(m.alpha, cos_w, -dot(direction, n));
+}
+
 struct RoughSample {
     direction: vec3<f32>,
     // f cosθ / (share pdf), the share that of rough_reflectance.

@@ -124,9 +124,6 @@ shared_constants! {
     pub const LIFT: f32 = 8.0 / (1 << 24) as f32;
     /// … and by no less than this, internal units: a plane through the origin of the scene is exact.
     pub const LIFT_LEAST: f32 = 1.0 / (1 << 20) as f32;
-    /// Where there are lights without area, eye paths stop at a narrow lobe to look for them this many times as often as they
-    /// follow it, at least.
-    pub const NARROW_STOPS: f32 = 1.0;
     /// Each of the two ways at a rough interface has at least this part: facets may send light where a flat one sends none.
     pub const ROUGH_SHARE_MIN: f32 = 0.05;
     /// All surfaces lie nearer than this to the internal origin, internal units.

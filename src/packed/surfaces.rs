@@ -306,7 +306,8 @@ impl PackedMaterial {
 
     /// True for a lobe of finite width that is followed as a mirror is.
     pub fn has_narrow_lobe(&self) -> bool {
-        self.specular_exponent > 0.0 || (self.is_rough() && self.flags().0 & MaterialFlags::SPECULAR != 0)
+        let followed = MaterialFlags::SPECULAR | MaterialFlags::DIELECTRIC;
+        self.specular_exponent > 0.0 || (self.is_rough() && self.flags().0 & followed != 0)
     }
 
     /// True where what is stated as glossy is packed as `specular`: it is followed.

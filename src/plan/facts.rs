@@ -19,10 +19,15 @@ pub(super) fn has_diffuse_surface(scene: &PackedScene) -> bool {
     scene.diffuse_area > 0.0
 }
 
+/// True where light samples may lie in a lobe that is followed.
+pub(super) fn shows_lights_in_followed_lobes(scene: &PackedScene) -> bool {
+    !scene.emitters.is_empty()
+        && scene.triangles.iter().any(|t| scene.materials[t.material as usize].has_narrow_lobe())
+}
+
 /// True where a light without area can be seen in a lobe that is followed.
 pub(super) fn shows_delta_lights(scene: &PackedScene) -> bool {
-    scene.emitters.iter().any(|e| !e.has_area())
-        && scene.triangles.iter().any(|t| scene.materials[t.material as usize].has_narrow_lobe())
+    scene.emitters.iter().any(|e| !e.has_area()) && shows_lights_in_followed_lobes(scene)
 }
 
 /// True where light of some emitter can meet a specular body before anything else: not where all emitters face away from

@@ -26,6 +26,8 @@ pub struct Features {
     pub glossy: bool,
     /// Some surface is of microfacets.
     pub facets: bool,
+    /// Some lobe that is followed has a width, and there are lights.
+    pub followed_light: bool,
     /// Some emitter is not a triangle.
     pub delta_lights: bool,
     /// Some faces may lie in one place.
@@ -63,6 +65,7 @@ impl Features {
             ),
             glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
             facets: needs(facts::has(scene, |m| m.has_facets()), Part::Microfacets, Reason::NoMicrofacets),
+            followed_light: facts::shows_lights_in_followed_lobes(scene),
             smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
             delta_lights: needs(
                 scene.emitters.iter().any(|e| !e.has_area()),
@@ -75,7 +78,7 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 12] {
+    pub fn named(&self) -> [(&'static str, bool); 13] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
@@ -86,6 +89,7 @@ impl Features {
             ("HAS_DISPERSION", self.dispersion),
             ("HAS_GLOSSY", self.glossy),
             ("HAS_FACETS", self.facets),
+            ("HAS_FOLLOWED_LIGHT", self.followed_light),
             ("HAS_DELTA_LIGHTS", self.delta_lights),
             ("HAS_CONTACTS", self.contacts),
             ("HAS_PATH_FILTER", self.path_filter),

@@ -302,13 +302,13 @@ fn layers(scene: &PackedScene, settings: &Settings, skips: &mut Skips) -> [bool;
     let wanted = settings.paths.layers();
     // in the order of the layers, the reasons of each in order of weight
     let reasons = [
-        [(!facts::has_emissive_surface(scene)).then_some(Reason::NoEmissiveSurface), None, None],
         [
-            (!facts::has_diffuse_surface(scene) && !facts::shows_delta_lights(scene))
-                .then_some(Reason::NoDiffuseSurface),
+            (!facts::has_emissive_surface(scene) && !facts::shows_delta_lights(scene))
+                .then_some(Reason::NoEmissiveSurface),
             None,
             None,
         ],
+        [(!facts::has_diffuse_surface(scene)).then_some(Reason::NoDiffuseSurface), None, None],
         [
             (!facts::has(scene, |m| m.has_delta())).then_some(Reason::NoSpecularSurface),
             (!facts::has_diffuse_surface(scene)).then_some(Reason::NoDiffuseSurface),

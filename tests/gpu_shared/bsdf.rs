@@ -1,9 +1,8 @@
 //! shading/lobes.wgsl against the laws of Fresnel and Snell in f64, and the lobes against their formulas.
 
-use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row, row3, vec3};
+use crate::common::{Row, Snippet, dvec3, floats, random, random_direction, row, row3};
 use crate::device_or_return;
 use glam::{DVec3, Vec3};
-use joton::optics::shading::phong::Phong;
 use joton::packed::PackedMaterial;
 use joton::packed::constants::{SURE_EVENTS, SURVIVAL_MAX};
 use joton::scene::{Dielectric, Material};
@@ -185,56 +184,6 @@ fn brdf_is_lambert_plus_phong() {
         }
     }
     assert!(bright > 100, "the lobe was met {bright} times");
-}
-
-/// A lobe that is followed has its formula, too, however narrow: within three widths of its middle, where a power of the
-/// cosine would have lost all digits.
-#[test]
-fn narrow_lobes_are_their_formula() {
-    let context = device_or_return!();
-    let materials: Vec<PackedMaterial> = [301.0f32, 1e3, 1e4, 1e5, 1e6]
-        .map(|glossy_exponent| {
-            let m =
-                Material { glossy: [0.6, 0.2, 0.1], glossy_exponent, ..Material::matte("narrow", [0.3; 3]) };
-            PackedMaterial::new(&m)
-        })
-        .into();
-    let mut inputs: Vec<[Row; 3]> = Vec::new();
-    for (m, material) in materials.iter().enumerate() {
-        assert!(material.has_narrow_lobe());
-        for i in 0..300 {
-            let n = random_direction(6, i);
-            let wi = random_direction(7, i);
-            let wi = if wi.dot(n) < 0.0 { -wi } else { wi };
-            let width = 3.0 * random(8, i)[0] / material.specular_exponent.sqrt();
-            let wo = (2.0 * wi.dot(n) * n - wi + width * random_direction(8, i)).normalize();
-            inputs.push([row3(n, m as f32), row3(wi, 0.0), row3(wo, 0.0)]);
-        }
-    }
-    let snippet = Snippet {
-        imports: BSDF,
-        declarations: MATERIALS,
-        code: "let m = materials[u32(in_f(0u).w)];
-            out_f(0u, vec4(eval_narrow(m, in_f(0u).xyz, in_f(1u).xyz, in_f(2u).xyz), 0.0));",
-        overrides: &[],
-    };
-    let mut harness = with_materials(context, &materials);
-    let out: Vec<[Row; 1]> = snippet.run_in(context, &mut harness, &[], &inputs);
-    for (i, [o]) in inputs.iter().zip(out) {
-        let m = &materials[floats(i[0])[3] as usize];
-        let [n, wi, wo] = [0, 1, 2].map(|k| dvec3(i[k]));
-        let e = f64::from(m.specular_exponent);
-        let below = 0.5 * (2.0 * wi.dot(n) * n - wi - wo).length_squared();
-        let wanted = f64::from(m.specular[0]) * (e + 2.0) / TAU * (e * (-below).ln_1p()).exp();
-        let lobe = Phong { albedo: m.specular, exponent: m.specular_exponent };
-        let host = lobe.eval(vec3(i[1]), vec3(i[2]), vec3(i[0]))[0];
-        // directions of f32 are off by 3e-7 of an angle of three widths, 3/√e
-        let tolerance = f64::from(m.specular[0]) * (e + 2.0) / TAU * (2e-6 + 1e-6 * e.sqrt());
-        for (side, got) in [("device", floats(o)[0]), ("host", host)] {
-            let off = (f64::from(got) - wanted).abs();
-            assert!(off < tolerance, "{side}, exponent {e}: {got} against {wanted}");
-        }
-    }
 }
 
 /// Weights are the shares of the flux that events take; those of the roulette are scaled down to one event, and late in a

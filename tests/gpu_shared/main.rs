@@ -9,6 +9,7 @@ mod disc_count;
 mod emit;
 mod emitter;
 mod facets;
+mod followed;
 mod grid;
 mod intersect;
 mod live;

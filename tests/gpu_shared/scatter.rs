@@ -12,7 +12,10 @@ use joton::scene::Material;
 const SCATTER: &[&str] = &["scene/features.wgsl", "scene/scene.wgsl", "shading/bsdf.wgsl"];
 
 /// A scene that only serves to fill the bindings.
-fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {
+pub fn with_materials<'a>(
+    context: &'a joton::backend::gpu::Context,
+    materials: &[PackedMaterial],
+) -> Harness<'a> {
     let mut b = Builder::new([0., 0., 2.], [0.; 3], [0., 1., 0.], 0.5, 4);
     let matte = b.matte(0.5);
     b.material(glass(1.5));
@@ -21,6 +24,11 @@ fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {
     let packed = PackedScene::new(&b.scene);
     let plan = Plan::new(&packed, Settings::default());
     let mut harness = Harness::with_scene(context, &packed, &plan).unwrap_or_else(|e| panic!("{e}"));
+    harness.scene("materials", materials);
+    harness
+}
+
+fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {
     let rough =
         Material { glossy: [0.9; 3], glossy_exponent: 2000.0, ..Material::matte("rough mirror", [0.0; 3]) };
     let pane = Material { thin: true, ..glass(1.5) };
@@ -30,8 +38,7 @@ fn harness(context: &joton::backend::gpu::Context) -> Harness<'_> {
             .map(PackedMaterial::new)
             .collect();
     assert!(materials[3].specular_exponent > 0.0, "lobes this sharp are followed");
-    harness.scene("materials", &materials);
-    harness
+    with_materials(context, &materials)
 }
 
 #[test]

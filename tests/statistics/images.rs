@@ -12,7 +12,7 @@ use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Image, Layer, Picture};
 use joton::packed::PackedScene;
 use joton::plan::Plan;
-use joton::scene::{FacetKind, Facets, Inner, MaterialSpectra, Scene};
+use joton::scene::{FacetKind, Facets, Inner, Light, MaterialSpectra, Scene};
 use joton::spectrum::cie::Illuminant;
 use joton::spectrum::glass::Index;
 use joton::spectrum::lamp::Emission;
@@ -147,8 +147,9 @@ fn by_wavelength(mut scene: Scene) -> Scene {
     scene
 }
 
-/// The scene with microfacets: coated and half-metal walls, and what was glass and mirror rough.
+/// The scene with microfacets: coated and half-metal walls, and what was glass and mirror rough; and a point that lights them, too.
 fn rough(mut scene: Scene) -> Scene {
+    scene.lights.push(Light::Point { position: scene.camera.position, intensity: [0.3; 3] });
     let gold = FacetKind::Conductor { eta: [0.2, 0.4, 1.4], k: [3.3, 2.4, 1.9] };
     for m in &mut scene.materials {
         let (glossy, alpha, kind) = match m.name.as_str() {

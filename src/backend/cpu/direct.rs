@@ -4,11 +4,11 @@
 //! touches an emitter, each shadow ray shares its weight with one BSDF sample by the balance heuristic (Veach & Guibas
 //! 1995).
 
+use super::candidates::brightest;
 use super::eye::GatherPoint;
 use super::streams::{DIMENSION_BSDF, STREAM_LIGHT};
 use crate::backend::Tally;
-use crate::optics::lights::pick::{pdf_light, sample_light};
-use crate::optics::lights::reservoir::Reservoir;
+use crate::optics::lights::pick::pdf_light;
 use crate::optics::lights::samples::LightSample;
 use crate::optics::lights::{is_near, le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
@@ -16,7 +16,7 @@ use crate::packed::constants::NEAR_EMITTERS_MAX;
 use crate::packed::{PackedEmitter, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, sequence2};
-use crate::spectrum::{BLACK, Bands, add, is_black, max, mul, scale};
+use crate::spectrum::{BLACK, Bands, add, is_black, mul, scale};
 use glam::Vec3;
 
 /// Direct light at a gather point, times its throughput: one pass's estimate.
@@ -29,7 +29,7 @@ pub(super) fn light(
     tally: &mut Tally,
 ) -> Bands {
     let settings = &plan.settings;
-    let direct = Direct::at(scene, plan, g, true);
+    let direct = Direct::at(scene, plan, g);
     let count = settings.shadow_rays;
     let mut sum = BLACK;
     for ray in 0..count {
@@ -53,21 +53,14 @@ pub(super) struct Direct<'a> {
     number: u32,
     /// Shadow rays share their weight with BSDF samples.
     shared: bool,
-    /// Narrow lobes, too, show lights without area.
-    with_narrow: bool,
 }
 
 impl<'a> Direct<'a> {
     /// At a gather point.
-    pub(super) fn at(
-        scene: &'a PackedScene,
-        plan: &'a Plan,
-        g: &'a GatherPoint<'a>,
-        with_narrow: bool,
-    ) -> Self {
+    pub(super) fn at(scene: &'a PackedScene, plan: &'a Plan, g: &'a GatherPoint<'a>) -> Self {
         let lights = plan.guides.direct.emitters(&scene.emitters);
         let shared = g.bsdf.scatter.varies() || near_emitter(lights, g.position);
-        Self { scene, lights, g, number: plan.light_candidates, shared, with_narrow }
+        Self { scene, lights, g, number: plan.light_candidates, shared }
     }
 
     /// True where samples need further random numbers.
@@ -86,7 +79,8 @@ impl<'a> Direct<'a> {
         let by_light = self.by_light(candidates, u[3], tally);
         if self.shared { add(&by_light, &self.by_bsdf(u, tally)) } else { by_light }
     }
-    /// The light of one of some candidates, picked by what each would give if nothing shaded it, for all of them [E24].
+
+    /// The light of one of some candidates.
     fn by_light(
         &self,
         candidates: impl ExactSizeIterator<Item = [f32; 2]>,
@@ -95,29 +89,12 @@ impl<'a> Direct<'a> {
     ) -> Bands {
         let g = self.g;
         let origin = lift(g.position, g.ng, g.triangle);
-        let number = candidates.len() as f32;
-        let mut picked: Option<(LightSample, Bands)> = None;
-        let mut reservoir = Reservoir::new(choice);
-        for u in candidates {
-            let Some(l) = sample_light(self.lights, origin, u) else { continue };
-            let given = self.unshadowed(&l);
-            let size = max(&given);
-            if size <= 0.0 {
-                continue;
-            }
-            if reservoir.takes(size) {
-                picked = Some((l, given));
-            }
-            tally.shadow_rays_saved += 1;
-        }
-        let Some((l, given)) = picked else { return BLACK };
+        let given = |l: &LightSample| self.unshadowed(l);
+        let Some((l, light)) = brightest(self.lights, origin, candidates, choice, given, tally) else {
+            return BLACK;
+        };
         tally.rays += 1;
-        tally.shadow_rays_saved -= 1;
-        if visible(self.scene, origin, l.target) {
-            scale(&given, reservoir.total / (number * max(&given)))
-        } else {
-            BLACK
-        }
+        if visible(self.scene, origin, l.target) { light } else { BLACK }
     }
 
     /// What a light sample, one of the candidates, gives if nothing shades it, with its share of the weight.
@@ -129,11 +106,7 @@ impl<'a> Direct<'a> {
         }
         let pdf = self.number as f32 * l.pdf;
         let weight = if self.shared && pdf > 0.0 { pdf / (pdf + g.bsdf.pdf_scatter(l.wi)) } else { 1.0 };
-        let matte = g.bsdf.eval_scatter(l.wi);
-        // what has an area is met where the lobe is followed
-        let is_met = l.pdf > 0.0 || !self.with_narrow;
-        let f = if is_met { matte } else { add(&matte, &g.bsdf.eval_narrow(l.wi)) };
-        scale(&mul(&f, &l.irradiance), cos_s * weight)
+        scale(&mul(&g.bsdf.eval_scatter(l.wi), &l.irradiance), cos_s * weight)
     }
 
     /// Light that one sample of the D lobes finds, beside the candidates.

@@ -1,5 +1,6 @@
 //! Eye: a camera ray through specular surfaces to its gather point, and the emission met on the way (E S* L).
 
+use super::followed_light::{FollowedLight, Vertex};
 use super::splits::Splits;
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_EYE_BAND, STREAM_JITTER};
 use crate::backend::Tally;
@@ -14,7 +15,7 @@ use crate::sampling::rng::{golden, random4, sequence_seed, sobol2};
 use crate::spectrum::{BANDS, BLACK, Bands, add, mul, scale};
 use glam::Vec3;
 
-/// The first D vertex of an eye path, or one with a narrow lobe in which lights without area are looked for; normals turned toward the eye.
+/// The first D vertex of an eye path; normals turned toward the eye.
 #[derive(Debug, Clone)]
 pub(super) struct GatherPoint<'a> {
     pub(super) position: Vec3,
@@ -77,21 +78,23 @@ pub(super) fn follow<'a>(
     let mut ray = Ray::new(origin, direction);
     // the first choices of way cover their square evenly over the passes: most of a glass ball's noise is theirs
     let choices = sobol2(pass, sequence_seed(settings.seed, pixel, STREAM_CHOICE));
+    let lights = FollowedLight::new(scene, plan);
     let (mut throughput, mut splits) = ([1.0; BANDS], Splits::start());
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;
-        let sees = |le: &Bands| scale(&mul(&throughput, le), splits.weight_of_eye(trees));
+        let sees =
+            |le: &Bands, pdf_light| scale(&mul(&throughput, le), splits.weight_of_eye(trees, pdf_light));
         let is_wanted = wants_emission(plan, chain);
         let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
             if is_wanted {
-                path.emission = add(&path.emission, &sees(&on_miss(ray.direction)));
+                path.emission = add(&path.emission, &sees(&on_miss(ray.direction), 0.0));
             }
             return path;
         };
         length += s.distance;
         if let Some(le) = le(&s).filter(|_| is_wanted) {
-            path.emission = add(&path.emission, &sees(le));
+            path.emission = add(&path.emission, &sees(le, lights.pdf(&s)));
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
@@ -100,18 +103,25 @@ pub(super) fn follow<'a>(
         if shares.kept() <= 0.0 {
             return path;
         }
+        bsdf.part_bands(s.material, &throughput, || {
+            golden(pass, sequence_seed(settings.seed, pixel, STREAM_EYE_BAND))
+        });
+        if bsdf.has_width() && wants_emission(plan, chain + 1) {
+            let vertex = Vertex { surface: &s, bsdf: &bsdf, shares: &shares, splits: &splits, trees };
+            let light = lights.in_lobes(&vertex, [pixel, pass, chain], tally);
+            path.emission = add(&path.emission, &mul(&throughput, &light));
+        }
         // one lobe only: probability 1, no noise
-        let stop = bsdf.stop_share(&shares, plan.features.delta_lights);
-        let ways = stop + shares.followed();
+        let ways = shares.kept();
         let choice = u_way * ways;
-        if choice < stop {
+        if choice < shares.scatter {
             path.gather_point = Some(GatherPoint {
                 position: s.position,
                 ng: s.ng,
                 front: s.front,
                 ns: s.ns,
                 wo: s.back,
-                throughput: scale(&throughput, ways / stop),
+                throughput: scale(&throughput, ways / shares.scatter),
                 bsdf,
                 triangle: s.triangle,
                 chain,
@@ -119,12 +129,9 @@ pub(super) fn follow<'a>(
             });
             return path;
         }
-        bsdf.part_bands(s.material, &throughput, || {
-            golden(pass, sequence_seed(settings.seed, pixel, STREAM_EYE_BAND))
-        });
-        let lobe = shares.pick_delta(choice - stop);
+        let lobe = shares.pick_delta(choice - shares.scatter);
         let Some(direction) = bsdf.sample_delta(lobe, [u0, u1]) else { return path };
-        splits = splits.after(&shares, lobe);
+        splits = splits.after(&shares, lobe, bsdf.pdf_delta(lobe, direction));
         let survival = survival(chain, shares.kept());
         if u_survive >= survival {
             return path;

@@ -4,6 +4,7 @@
 //! alone. Where there are both, each weighs what the other would not find [E25].
 
 use super::eye::{survival, wants_emission};
+use super::followed_light::FollowedLight;
 use super::splits::Splits;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_BAND, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
@@ -49,7 +50,7 @@ fn tree(
     seed: u32,
     pixel: u32,
     number: u64,
-    weight: impl Fn(u32, &Splits) -> f32,
+    weight: impl Fn(u32, &Splits, Option<&SurfaceInteraction>) -> f32,
     tally: &mut Tally,
 ) -> TreeView {
     let CameraRay { origin, direction, travelled: length } =
@@ -66,14 +67,16 @@ fn tree(
         let Way { mut ray, mut throughput, mut splits, mut events, mut length } = waiting[count];
         loop {
             tally.rays += 1;
-            let sees = |le: &Bands| scale(&mul(&throughput, le), weight(events, &splits));
+            let sees = |le: &Bands, lit: Option<&SurfaceInteraction>| {
+                scale(&mul(&throughput, le), weight(events, &splits, lit))
+            };
             let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
-                seen.emission = add(&seen.emission, &sees(&on_miss(ray.direction)));
+                seen.emission = add(&seen.emission, &sees(&on_miss(ray.direction), None));
                 break;
             };
             length += s.distance;
             if let Some(le) = le(&s) {
-                seen.emission = add(&seen.emission, &sees(le));
+                seen.emission = add(&seen.emission, &sees(le, Some(&s)));
                 seen.direct = events == 0;
             }
             let mut bsdf = Bsdf::seen(scene, &s, length);
@@ -96,7 +99,7 @@ fn tree(
                     waiting[count] = Way {
                         ray: s.leave(direction),
                         throughput: bsdf.through_delta(1 - lesser, direction, &throughput),
-                        splits: splits.after(&shares, 1 - lesser),
+                        splits: splits.after(&shares, 1 - lesser, bsdf.pdf_delta(1 - lesser, direction)),
                         events: events + 1,
                         length,
                     };
@@ -106,9 +109,9 @@ fn tree(
             } else {
                 (shares.pick_delta(u_way * shares.followed()), shares.followed())
             };
-            splits = splits.after(&shares, lobe);
             let survival = survival(events, kept);
             let Some(direction) = bsdf.sample_delta(lobe, [u0, u1]) else { break };
+            splits = splits.after(&shares, lobe, bsdf.pdf_delta(lobe, direction));
             if u_survive >= survival {
                 break;
             }
@@ -136,8 +139,10 @@ pub(super) fn emission(
 ) -> Bands {
     let seed = plan.settings.seed;
     let trees = glints.trees_a_pass(pixel as usize);
-    let weight = |events, splits: &Splits| {
-        if wants_emission(plan, events) { splits.weight_of_tree(trees) } else { 0.0 }
+    let lights = FollowedLight::new(scene, plan);
+    let weight = |events, splits: &Splits, lit: Option<&SurfaceInteraction>| {
+        let pdf_light = lit.map_or(0.0, |s| lights.pdf(s));
+        if wants_emission(plan, events) { splits.weight_of_tree(trees, pdf_light) } else { 0.0 }
     };
     glints.numbers(pixel, pass, seed).fold(BLACK, |sum, number| {
         let seen = tree(scene, seed, pixel, number, weight, tally);
@@ -162,7 +167,7 @@ impl Survey {
         for i in self.trees..trees {
             // no pass has so high a number
             let number = u64::from(pilot) << 32 | u64::from(i);
-            let seen = tree(scene, seed, pixel, number, |_, _| 1.0, &mut Tally::default());
+            let seen = tree(scene, seed, pixel, number, |_, _, _| 1.0, &mut Tally::default());
             self.trees += 1;
             self.lit += u32::from(!is_black(&seen.emission));
             self.direct += u32::from(seen.direct);

@@ -90,7 +90,7 @@ pub(super) fn light(
         accepted = accepted.map(|mask| (0..next.chain).fold(mask, |mask, _| before(mask, Event::S)));
         let after_d = paths.step(LightPaths::START, Event::D);
         if accepted.is_none_or(|mask| mask >> after_d & 1 == 1) {
-            let direct = Direct::at(scene, plan, &next, false);
+            let direct = Direct::at(scene, plan, &next);
             let places = (0..candidates).map(|k| {
                 if vertex == 0 {
                     return even(STREAM_INDIRECT_LIGHT, number * u64::from(candidates) + u64::from(k));

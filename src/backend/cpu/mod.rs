@@ -4,10 +4,12 @@
 //! A pass: jotons → kd-trees → eye paths, direct light and gather, pixel by pixel. Every sum is taken in a fixed
 //! order: the same image whatever the number of threads.
 
+mod candidates;
 mod clip_planes;
 mod direct;
 mod disc;
 mod eye;
+mod followed_light;
 mod gather;
 mod glint;
 #[doc(hidden)]

@@ -12,7 +12,7 @@ use crate::film::{LAYERS, Layer};
 use crate::optics::lights::pick::{pdf_light, sample_light};
 use crate::optics::lights::{le, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
-use crate::optics::shading::bsdf::Bsdf;
+use crate::optics::shading::bsdf::{Bsdf, Followed, Shares};
 use crate::packed::constants::SURVIVAL_MAX;
 use crate::packed::{CameraRay, PackedScene};
 use crate::plan::{InBands, Plan};
@@ -81,15 +81,6 @@ impl Backend for PathTracer {
         }
         Ok(Batch { layers, tally })
     }
-}
-
-/// Which lobes a shadow ray looks at.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Lobe {
-    /// The D lobes.
-    Matte,
-    /// The one that is followed.
-    Narrow,
 }
 
 struct Path<'a> {
@@ -183,7 +174,7 @@ impl<'a> Path<'a> {
                 throughput = scale(&throughput, shares.kept() / shares.scatter);
                 let [_, l0, l1, _] = self.random(1);
                 self.events.push(Event::D);
-                self.next_event(&s, &bsdf, &throughput, [l0, l1], Lobe::Matte);
+                self.next_event(&s, &bsdf, &throughput, [l0, l1]);
                 let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| wi.dot(s.ng) > 0.0);
                 if let Some(wi) = leaving {
                     throughput = mul(&throughput, &bsdf.weight_scatter(wi));
@@ -196,18 +187,17 @@ impl<'a> Path<'a> {
                 });
                 let lobe = shares.pick_delta(choice - shares.scatter);
                 let arriving = scale(&throughput, shares.kept() / shares.delta[lobe]);
-                // where nothing else of the path is D the lobe is: what it sends on to a D is a caustic
-                if bsdf.narrow().is_some() && !self.events.contains(&Event::D) {
-                    let [_, l0, l1, _] = self.random(1);
-                    self.events.push(Event::D);
-                    self.next_event(&s, &bsdf, &arriving, [l0, l1], Lobe::Narrow);
-                    self.events.pop();
-                }
+                let [_, l0, l1, _] = self.random(1);
                 self.events.push(Event::S);
-                pdf_last = None;
+                if bsdf.has_width() {
+                    let followed = scale(&throughput, shares.kept() / shares.followed());
+                    self.followed_lobe(&s, &bsdf, &followed, &shares, [l0, l1]);
+                }
                 let leaving = bsdf.sample_delta(lobe, [u0, u1]);
                 if let Some(w) = leaving {
                     throughput = bsdf.through_delta(lobe, w, &arriving);
+                    pdf_last =
+                        bsdf.pdf_delta(lobe, w).map(|pdf| pdf * shares.delta[lobe] / shares.followed());
                     eta_squared *= bsdf.radiance_scale(lobe);
                 }
                 leaving
@@ -224,32 +214,41 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// A shadow ray to an emitter; in a narrow lobe, which is followed, too, only to those without area.
-    fn next_event(
-        &mut self,
-        s: &SurfaceInteraction,
-        bsdf: &Bsdf,
-        throughput: &Bands,
-        u: [f32; 2],
-        lobe: Lobe,
-    ) {
+    /// A shadow ray to an emitter.
+    fn next_event(&mut self, s: &SurfaceInteraction, bsdf: &Bsdf, throughput: &Bands, u: [f32; 2]) {
         let origin = lift(s.position, s.ng, s.triangle);
         let Some(l) = sample_light(&self.scene.emitters, origin, u) else { return };
         let cos_s = l.wi.dot(s.ns);
-        let is_met = lobe == Lobe::Narrow && l.pdf > 0.0;
-        if is_met || cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
+        if cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
             return;
         }
         self.rays += 1;
         if !visible(self.scene, origin, l.target) {
             return;
         }
-        let pdf = bsdf.pdf_scatter(l.wi);
-        let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + pdf) } else { 1.0 };
-        let f = match lobe {
-            Lobe::Matte => bsdf.eval_scatter(l.wi),
-            Lobe::Narrow => bsdf.eval_narrow(l.wi),
-        };
-        self.found(&scale(&mul(&mul(throughput, &f), &l.irradiance), cos_s * weight));
+        let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + bsdf.pdf_scatter(l.wi)) } else { 1.0 };
+        self.found(&scale(&mul(&mul(throughput, &bsdf.eval_scatter(l.wi)), &l.irradiance), cos_s * weight));
+    }
+
+    /// A shadow ray to an emitter from a lobe that is followed, on the side of the surface that the emitter is on. `throughput` is that of
+    /// paths that follow some lobe.
+    fn followed_lobe(
+        &mut self,
+        s: &SurfaceInteraction,
+        bsdf: &Bsdf,
+        throughput: &Bands,
+        shares: &Shares,
+        u: [f32; 2],
+    ) {
+        let Some(l) = sample_light(&self.scene.emitters, s.position, u) else { return };
+        let Some(Followed { lobe, f_cos, pdf }) = bsdf.followed_from(l.wi) else { return };
+        self.rays += 1;
+        let side = s.ng * l.wi.dot(s.ng).signum();
+        if !visible(self.scene, lift(s.position, side, s.triangle), l.target) {
+            return;
+        }
+        let by_lobe = pdf * shares.delta[lobe] / shares.followed();
+        let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + by_lobe) } else { 1.0 };
+        self.found(&scale(&mul(&mul(throughput, &f_cos), &l.irradiance), weight));
     }
 }

@@ -39,6 +39,9 @@ pub(super) const STREAM_DIFFUSE_BAND: u32 = 15;
 /// See [`STREAM_EYE_BAND`].
 pub(super) const STREAM_PATH_BAND: u32 = 16;
 
+/// Emitter and place of a shadow ray at a vertex of an eye path whose lobe is followed.
+pub(super) const STREAM_FOLLOWED_LIGHT: u32 = 17;
+
 /// Hard limit of a path's length: the dimensions of a purpose. The roulette ends paths long before.
 pub(super) const EVENTS_MAX: u32 = 1 << 16;
 
@@ -60,3 +63,5 @@ pub(super) const DIMENSION_UNSEEN: u32 = 7 << 16;
 pub(super) const DIMENSION_INDIRECT: u32 = 8 << 16;
 /// Light samples at its surfaces.
 pub(super) const DIMENSION_INDIRECT_LIGHT: u32 = 9 << 16;
+/// Which of the light samples at a vertex whose lobe is followed gets the shadow ray.
+pub(super) const DIMENSION_FOLLOWED: u32 = 10 << 16;

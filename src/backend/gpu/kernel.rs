@@ -96,6 +96,7 @@ impl Kernel {
             split_heap,
             no_facets: is_without("HAS_FACETS"),
             no_textures: is_without("HAS_TEXTURES") && is_without("HAS_CUTOUTS"),
+            no_followed_light: is_without("HAS_FOLLOWED_LIGHT"),
         };
         Self::from_source(context, path, &shaders::link(path, variant)?, entry, overrides)
     }

@@ -142,6 +142,9 @@ const SORTED: [(&str, &str); 2] = [("sorted_jotons", "sorted_jotons"), ("bucket_
 const SORTED_APART: [(&str, &str); 2] =
     [("sorted_jotons", "sorted_jotons_caustic"), ("bucket_starts", "bucket_starts_caustic")];
 
+/// Names of the list of lights that shadow rays pick from in the kernels, and of the buffers.
+const SHADOW_RAYS: [(&str, &str); 2] = [("emitters", "emitters_direct"), ("scene_info", "scene_info_direct")];
+
 /// The trees that look for emission.
 pub(super) struct Glint {
     pub(super) trees: BoundKernel,
@@ -202,29 +205,20 @@ impl PassGraph {
             ]),
             _ => None,
         };
+        let seen = |by: &'static str| [&[("seen", by)], &SHADOW_RAYS[..]].concat();
         Ok(Self {
-            eye: kernels.eye.bind(context, buffers, &[])?,
+            eye: kernels.eye.bind(context, buffers, &SHADOW_RAYS)?,
             glint: match &kernels.glint {
                 Some([glint, sum, mark]) => Some(Glint {
-                    trees: glint.bind(context, buffers, &[("seen", "fits")])?,
-                    pilot: glint.bind(context, buffers, &[("seen", "radii")])?,
+                    trees: glint.bind(context, buffers, &seen("fits"))?,
+                    pilot: glint.bind(context, buffers, &seen("radii"))?,
                     sum: sum.bind(context, buffers, &[("seen", "fits")])?,
                     mark: mark.bind(context, buffers, &[])?,
                 }),
                 None => None,
             },
-            direct: optional(
-                &kernels.direct,
-                &[("emitters", "emitters_direct"), ("scene_info", "scene_info_direct")],
-            )?,
-            indirect: optional(
-                &kernels.indirect,
-                &[
-                    &sorted(MapKind::Caustic)[..],
-                    &[("emitters", "emitters_direct"), ("scene_info", "scene_info_direct")],
-                ]
-                .concat(),
-            )?,
+            direct: optional(&kernels.direct, &SHADOW_RAYS)?,
+            indirect: optional(&kernels.indirect, &[&sorted(MapKind::Caustic)[..], &SHADOW_RAYS].concat())?,
             kernel_correction: optional(&kernels.kernel_correction, &[])?,
             clip_planes: optional(&kernels.clip_planes, &[])?,
             caustic_disc: optional(&kernels.caustic_disc, &sorted(MapKind::Caustic))?,

@@ -21,6 +21,28 @@ pub struct Variant {
     pub no_facets: bool,
     /// No surface has a texture, and none is cut.
     pub no_textures: bool,
+    /// No light sample may lie in a lobe that is followed.
+    pub no_followed_light: bool,
+}
+
+impl Variant {
+    /// The file that is linked where `path` is imported; none where nothing is.
+    fn choose<'a>(&self, path: &'a str) -> Option<&'a str> {
+        let (wanted, other) = match path {
+            "maps/lanes.wgsl" => (!self.subgroups, Some("maps/lanes_alone.wgsl")),
+            "scene/scene.wgsl" => (self.small_scene, Some("scene/scene_small.wgsl")),
+            "scene/heap.wgsl" => (self.split_heap, Some("scene/heap_split.wgsl")),
+            "shading/fresnel.wgsl" => (self.no_facets, Some("shading/no_facets.wgsl")),
+            "shading/undercoat.wgsl" | "shading/microfacet.wgsl" | "shading/rough_interface.wgsl" => {
+                (self.no_facets, None)
+            }
+            "shading/texture.wgsl" => (self.no_textures, Some("shading/no_textures.wgsl")),
+            "accel/cutout.wgsl" => (self.no_textures, Some("accel/no_cutouts.wgsl")),
+            "lights/followed.wgsl" => (self.no_followed_light, Some("lights/no_followed_light.wgsl")),
+            _ => (false, None),
+        };
+        if wanted { other } else { Some(path) }
+    }
 }
 
 /// A kernel file with everything it imports and the shared structs.
@@ -38,32 +60,17 @@ pub fn link(path: &str, variant: Variant) -> Result<String> {
 pub fn link_source(text: &str, variant: Variant) -> Result<String> {
     let mut linked = wgsl::declarations();
     let mut done: Vec<&str> = Vec::new();
-    append(text, &mut linked, &mut done)?;
-    for (wanted, file, other) in [
-        (!variant.subgroups, "maps/lanes.wgsl", Some("maps/lanes_alone.wgsl")),
-        (variant.small_scene, "scene/scene.wgsl", Some("scene/scene_small.wgsl")),
-        (variant.split_heap, "scene/heap.wgsl", Some("scene/heap_split.wgsl")),
-        (variant.no_facets, "shading/fresnel.wgsl", Some("shading/no_facets.wgsl")),
-        (variant.no_facets, "shading/undercoat.wgsl", None),
-        (variant.no_facets, "shading/microfacet.wgsl", None),
-        (variant.no_facets, "shading/rough_interface.wgsl", None),
-        (variant.no_textures, "shading/texture.wgsl", Some("shading/no_textures.wgsl")),
-        (variant.no_textures, "accel/cutout.wgsl", Some("accel/no_cutouts.wgsl")),
-    ] {
-        if wanted {
-            linked = linked.replace(find(file)?, other.map_or(Ok(""), find)?);
-        }
-    }
+    append(text, variant, &mut linked, &mut done)?;
     Ok(linked)
 }
 
-fn append<'a>(text: &'a str, linked: &mut String, done: &mut Vec<&'a str>) -> Result<()> {
+fn append<'a>(text: &'a str, variant: Variant, linked: &mut String, done: &mut Vec<&'a str>) -> Result<()> {
     for line in text.lines() {
         if let Some(path) = line.strip_prefix("// import: ") {
-            let path = path.trim();
+            let Some(path) = variant.choose(path.trim()) else { continue };
             if !done.contains(&path) {
                 done.push(path);
-                append(find(path)?, linked, done)?;
+                append(find(path)?, variant, linked, done)?;
             }
         }
     }

@@ -5,12 +5,9 @@
 
 use crate::optics::shading::dielectric::in_one_band;
 use crate::optics::shading::frame::Frame;
-use crate::optics::shading::{
-    DELTA_MOST, DeltaLobe, Narrow, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes,
-};
+use crate::optics::shading::{DELTA_MOST, DeltaLobe, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes};
 use crate::packed::PackedMaterial;
-use crate::packed::constants::NARROW_STOPS;
-use crate::spectrum::{BLACK, Bands, add, max, mul, scale};
+use crate::spectrum::{BANDS, BLACK, Bands, add, max, mul, scale};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
@@ -128,30 +125,10 @@ impl Bsdf {
         Shares { scatter: share(&self.scatter.albedo()), delta }
     }
 
-    /// The share with which an eye path stops here: lights without area, where there are any, are seen in a narrow lobe only from a path
-    /// that stops.
-    pub(crate) fn stop_share(&self, shares: &Shares, has_delta_lights: bool) -> f32 {
-        let narrow = self.delta.iter().position(|lobe| lobe.narrow().is_some());
-        match narrow.filter(|_| has_delta_lights) {
-            Some(lobe) => shares.scatter.max(NARROW_STOPS * shares.delta[lobe]),
-            None => shares.scatter,
-        }
-    }
-
-    /// The delta lobe that has a width.
-    pub(crate) fn narrow(&self) -> Option<Narrow> {
-        self.delta.iter().find_map(DeltaLobe::narrow)
-    }
-
     /// f_r of the lobes that scatter, 1/sr, of light from `wi` toward where the ray came from.
     #[inline]
     pub(crate) fn eval_scatter(&self, wi: Vec3) -> Bands {
         self.scatter.eval(wi, self.frame.back, self.frame.ns)
-    }
-
-    /// f_r of a narrow lobe, likewise, for lights without area: following it never meets them [E6].
-    pub(crate) fn eval_narrow(&self, wi: Vec3) -> Bands {
-        self.narrow().map_or(BLACK, |lobe| lobe.eval(wi, self.frame.back, self.frame.ns))
     }
 
     /// pdf_solid_angle of [`Bsdf::sample_scatter`].
@@ -180,6 +157,24 @@ impl Bsdf {
         scale(&mul(throughput, &lobe.through(&self.frame, w)), lobe.radiance_scale(&self.frame))
     }
 
+    /// pdf_solid_angle of [`Bsdf::sample_delta`]; none of a lobe without a width.
+    pub(crate) fn pdf_delta(&self, lobe: usize, w: Vec3) -> Option<f32> {
+        self.delta[lobe].pdf(&self.frame, w)
+    }
+
+    /// True where a lobe that is followed has a width: a light sample may lie in it.
+    pub(crate) fn has_width(&self) -> bool {
+        self.delta.iter().any(DeltaLobe::has_width)
+    }
+
+    /// What a lobe that is followed, with a width, sends back along the ray from the direction `w`; none where there is no such lobe.
+    pub(crate) fn followed_from(&self, w: Vec3) -> Option<Followed> {
+        let crosses = w.dot(self.frame.ng) < 0.0;
+        let lobe = self.delta.iter().position(|lobe| lobe.crosses() == crosses)?;
+        let pdf = self.pdf_delta(lobe, w).filter(|pdf| *pdf > 0.0)?;
+        Some(Followed { lobe, f_cos: self.through_delta(lobe, w, &[pdf; BANDS]), pdf })
+    }
+
     /// By how much radiance scales by a delta lobe \[E9\].
     pub(crate) fn radiance_scale(&self, lobe: usize) -> f32 {
         self.delta[lobe].radiance_scale(&self.frame)
@@ -189,6 +184,16 @@ impl Bsdf {
     pub(crate) fn flux_through_delta(&self, lobe: usize, w: Vec3, flux: &Bands) -> Bands {
         mul(flux, &self.delta[lobe].through(&self.frame, w))
     }
+}
+
+/// Light of a direction in a lobe that is followed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Followed {
+    pub(crate) lobe: usize,
+    /// f |cosθ|, 1/sr, of radiance on the way to the eye.
+    pub(crate) f_cos: Bands,
+    /// pdf_solid_angle of the lobe.
+    pub(crate) pdf: f32,
 }
 
 /// Part of the flux that takes each lobe.

@@ -76,7 +76,7 @@ impl Ggx {
     }
 
     /// pdf_solid_angle of the mirror image of `wo` about one of [`Ggx::normal`].
-    fn pdf(&self, h: Vec3, n: Vec3, cos_o: f32) -> f32 {
+    pub(super) fn pdf(&self, h: Vec3, n: Vec3, cos_o: f32) -> f32 {
         self.density(h, n) / (2.0 * (cos_o + self.slope(cos_o)))
     }
 

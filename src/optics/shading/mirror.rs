@@ -24,14 +24,19 @@ impl Mirror {
     /// A direction; none below the surface.
     pub(crate) fn sample(&self, f: &Frame, u: [f32; 2]) -> Option<Vec3> {
         let perfect = Self::direction(f);
-        if self.exponent <= 0.0 {
+        if !self.has_width() {
             return Some(perfect);
         }
         Some(to_world(phong_lobe(u, self.exponent), perfect)).filter(|w| w.dot(f.ng) > 0.0)
     }
 
-    /// The lobe where it has a width, for lights without area: following it never meets them \[E6\].
-    pub(crate) fn narrow(&self) -> Option<Phong> {
-        (self.exponent > 0.0).then_some(Phong { albedo: self.albedo, exponent: self.exponent })
+    /// False for a perfect mirror.
+    pub(super) fn has_width(&self) -> bool {
+        self.exponent > 0.0
+    }
+
+    /// pdf_solid_angle of [`Mirror::sample`], where it has a width.
+    pub(super) fn pdf(&self, f: &Frame, w: Vec3) -> f32 {
+        Phong { albedo: self.albedo, exponent: self.exponent }.pdf_about(Self::direction(f), w)
     }
 }

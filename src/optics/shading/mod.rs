@@ -116,23 +116,6 @@ pub(crate) enum DeltaLobe {
     RoughInterface(RoughWay),
 }
 
-/// A lobe with a width that is followed.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Narrow {
-    Phong(Phong),
-    Facets(Microfacet),
-}
-
-impl Narrow {
-    /// f_r, 1/sr.
-    pub(crate) fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
-        match self {
-            Self::Phong(p) => p.eval(wi, wo, n),
-            Self::Facets(m) => m.eval(wi, wo, n),
-        }
-    }
-}
-
 impl DeltaLobe {
     /// Reflectance or transmittance, per band; of a lobe with a width about that.
     pub(crate) fn albedo(&self) -> Bands {
@@ -178,12 +161,33 @@ impl DeltaLobe {
         }
     }
 
-    /// The lobe where it has a width, for lights without area: following it never meets them [E6].
-    fn narrow(&self) -> Option<Narrow> {
+    /// False where light leaves in one direction only.
+    pub(crate) fn has_width(&self) -> bool {
         match self {
-            Self::Mirror(m) => m.narrow().map(Narrow::Phong),
-            Self::Facets(m) => m.has_width().then_some(Narrow::Facets(*m)),
-            Self::Interface(_) | Self::RoughInterface(_) => None,
+            Self::Mirror(m) => m.has_width(),
+            Self::Facets(m) => m.has_width(),
+            Self::Interface(_) => false,
+            Self::RoughInterface(_) => true,
+        }
+    }
+
+    /// pdf_solid_angle of [`DeltaLobe::sample`], where it has a width.
+    pub(crate) fn pdf(&self, f: &Frame, w: Vec3) -> Option<f32> {
+        self.has_width().then(|| match self {
+            Self::Mirror(m) => m.pdf(f, w),
+            Self::Facets(m) => m.pdf(w, f.back, f.specular_normal()),
+            Self::Interface(_) => 0.0,
+            Self::RoughInterface(way) => way.pdf(f, w),
+        })
+    }
+
+    /// True where it sends light to the other side of the surface.
+    fn crosses(&self) -> bool {
+        match self {
+            Self::Mirror(_) | Self::Facets(_) => false,
+            // nobody asks: it has no width
+            Self::Interface(_) => false,
+            Self::RoughInterface(w) => w.is_transmission,
         }
     }
 }

@@ -16,22 +16,27 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// cosᵉα, from 1 − cosα: near one a cosine has no digits for a large exponent.
+    /// cosᵉα, α between two directions, from 1 − cosα: near one a cosine has no digits for a large exponent.
     #[inline]
-    fn power(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-        let below = 0.5 * (mirrored(wi, n) - wo).length_squared();
+    fn power(&self, a: Vec3, b: Vec3) -> f32 {
+        let below = 0.5 * (a - b).length_squared();
         if below >= 1.0 { 0.0 } else { (self.exponent * (-below).ln_1p()).exp() }
     }
 
     /// f_r, 1/sr; unit vectors that leave the surface.
     #[inline]
     pub fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
-        scale(&self.albedo, (self.exponent + 2.0) / TAU * self.power(wi, wo, n))
+        scale(&self.albedo, (self.exponent + 2.0) / TAU * self.power(mirrored(wi, n), wo))
     }
 
     /// pdf_solid_angle of [`Phong::sample`].
     pub fn pdf(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-        (self.exponent + 1.0) / TAU * self.power(wi, wo, n)
+        self.pdf_about(mirrored(wi, n), wo)
+    }
+
+    /// The same of a direction about an axis.
+    pub(super) fn pdf_about(&self, axis: Vec3, w: Vec3) -> f32 {
+        (self.exponent + 1.0) / TAU * self.power(axis, w)
     }
 
     /// A direction about the mirror image of `wo`; it may lie below the surface.

@@ -19,7 +19,7 @@ pub(crate) struct RoughWay {
     iors: Bands,
     /// That by which light is bent.
     ior: f32,
-    is_transmission: bool,
+    pub(super) is_transmission: bool,
     ggx: Ggx,
 }
 
@@ -75,16 +75,32 @@ impl RoughWay {
         }
     }
 
+    /// The normal of the facet that sends light from `back` to `w`, on the side of the ray; its length is that of the vector whose
+    /// direction it has.
+    fn facet(&self, f: &Frame, w: Vec3) -> (Vec3, f32) {
+        // of refraction tangential parts add up to nothing
+        let sum = if self.is_transmission { -(f.back * self.eta_i_over_t(f) + w) } else { f.back + w };
+        let length = sum.length().max(f32::MIN_POSITIVE);
+        let h = sum / length;
+        (if h.dot(f.specular_normal()) < 0.0 { -h } else { h }, length)
+    }
+
+    /// pdf_solid_angle of [`RoughWay::sample`]: the density of the facets that `back` sees over the solid angle that turning one sweeps.
+    pub(super) fn pdf(&self, f: &Frame, w: Vec3) -> f32 {
+        let n = f.specular_normal();
+        let (h, length) = self.facet(f, w);
+        let (cos_o, cos_h, cos_w) = (f.back.dot(n), f.back.dot(h), w.dot(h));
+        if cos_o <= 0.0 || cos_h <= 0.0 || (cos_w < 0.0) != self.is_transmission {
+            return 0.0;
+        }
+        let of_mirror = self.ggx.pdf(h, n, cos_o);
+        if self.is_transmission { of_mirror * 4.0 * cos_h * -cos_w / (length * length) } else { of_mirror }
+    }
+
     /// f cosθ / pdf_solid_angle of a direction that was sampled, as flux.
     pub(super) fn through(&self, f: &Frame, w: Vec3) -> Bands {
         let n = f.specular_normal();
-        let h = if self.is_transmission {
-            // tangential parts add up to nothing
-            -(f.back * self.eta_i_over_t(f) + w).normalize()
-        } else {
-            (f.back + w).normalize()
-        };
-        let h = if h.dot(n) < 0.0 { -h } else { h };
+        let (h, _) = self.facet(f, w);
         let (cos_o, cos_w, cos_h) = (f.back.dot(n), w.dot(n), f.back.dot(h).clamp(0.0, 1.0));
         if cos_o <= 0.0 || (cos_w < 0.0) != self.is_transmission {
             return BLACK;

@@ -1,0 +1,66 @@
+// Followed light: light samples in lobes that are followed but have a width, narrow metal, coats and rough glass (E S* L), beside the eye
+// paths and trees that follow the lobe: the balance heuristic of all of them [E44]. Twin: src/backend/cpu/followed_light.rs.
+// import: shading/followed.wgsl
+// import: lights/direct.wgsl
+// import: paths/splits.wgsl
+
+struct FollowedLight {
+    // Without the throughput, with its share of the weight.
+    light: Bands,
+    rays: u32,
+    saved: u32,
+}
+
+// pdf_solid_angle with which all the light samples of a vertex find the lit surface that a ray from there has met, after `distance`.
+fn pdf_of_lights(s: Surface, b: Bsdf, distance: f32) -> f32 {
+    if s.emitter == NO_EMITTER || !b.from_front {
+        return 0.0;
+    }
+    return f32(pass_info.light_candidates) * pdf_li(emitter_at(s.emitter), distance, -dot(b.direction, s.front));
+}
+
+// What a vertex of an eye path sends on from the lights; `splits` are up to the vertex.
+fn light_in_lobes(s: Surface, b: Bsdf, w: LobeWeights, splits: Splits, trees: f32, draws: LightDraws, u: f32) -> FollowedLight {
+    var result = FollowedLight(Bands(0.0), 0u, 0u);
+    if !has_width(b.material, select(LOBE_MIRROR, LOBE_REFLECTION, is_dielectric(b.material))) {
+        return result;
+    }
+    let candidates = f32(pass_info.light_candidates);
+    var picked = LightSample(vec3(0.0), 0.0, vec3(0.0), Bands(0.0), 0.0);
+    var given = Bands(0.0);
+    var reservoir = Reservoir(0.0, u);
+    var found = 0u;
+    for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
+        let at = wide_sum(draws.first, k);
+        let seed = sequence_seed(seed_at(pass_info.seed, at.y), draws.path, draws.stream);
+        let light = sample_light(s.position, sobol2(at.x, seed));
+        let followed = followed_from(b, light.wi);
+        var gives = followed.f_cos * light.weight;
+        if light.pdf > 0.0 {
+            let after = splits_after(splits, w, followed.lobe, followed.pdf);
+            gives *= weight_of_light(after, trees, candidates * light.pdf);
+        }
+        let size = max_band(gives);
+        if followed.pdf > 0.0 && size > 0.0 {
+            found += 1u;
+            if takes(&reservoir, size) {
+                picked = light;
+                given = gives;
+            }
+        }
+    }
+    if found == 0u {
+        return result;
+    }
+    result.rays = 1u;
+    result.saved = found - 1u;
+    let origin = s.position + b.geometric * select(s.lift, -s.lift, dot(picked.wi, b.geometric) < 0.0);
+    // from there; a sun is as far from anywhere
+    let way = picked.end - origin;
+    let distance = length(way);
+    let is_far = picked.distance >= 1e30;
+    if !is_occluded(origin, select(way / max(distance, 1e-30), picked.wi, is_far), select(distance, picked.distance, is_far), picked.end) {
+        result.light = given * (reservoir.total / (candidates * max_band(given)));
+    }
+    return result;
+}

@@ -1,0 +1,60 @@
+// Followed: lobes that light follows as it follows a mirror, but that have a width: for light samples, which may lie in them [E44].
+// no_followed_light.wgsl is in place of this and of lights/followed.wgsl where there is none. Twin: src/optics/shading/bsdf.rs.
+// import: shading/bsdf.wgsl
+
+// Light of a direction in such a lobe.
+struct Followed {
+    lobe: u32,
+    // f |cosθ|, 1/sr, of radiance on the way to the eye.
+    f_cos: Bands,
+    // pdf_solid_angle of the lobe; 0 where there is none.
+    pdf: f32,
+}
+
+fn no_followed() -> Followed {
+    return Followed(LOBE_NONE, Bands(0.0), 0.0);
+}
+
+// True where light leaves by the lobe in more than one direction.
+fn has_width(m: PackedMaterial, lobe: u32) -> bool {
+    if has_facets(m) {
+        return is_delta(lobe) && m.alpha > 0.0;
+    }
+    return lobe == LOBE_MIRROR && m.specular_exponent > 0.0;
+}
+
+// pdf_solid_angle with which sample_delta leaves in the direction w; 0 of a lobe without a width.
+fn pdf_delta_at(b: Bsdf, lobe: u32, w: vec3<f32>) -> f32 {
+    let m = b.material;
+    if !has_width(m, lobe) {
+        return 0.0;
+    }
+    if is_rough_interface(m) {
+        return rough_pdf(m, lobe == LOBE_TRANSMISSION, b.direction, b.shading, b.from_front, w);
+    }
+    if has_facets(m) {
+        return microfacet_pdf(m.alpha, b.shading, w, -b.direction);
+    }
+    return phong_pdf_about(m.specular_exponent, mirror_direction(b.direction, b.geometric, b.shading), w);
+}
+
+// What a lobe of these sends back along the ray from the direction w.
+fn followed_from(b: Bsdf, w: vec3<f32>) -> Followed {
+    let m = b.material;
+    let is_across = dot(w, b.geometric) < 0.0;
+    if is_rough_interface(m) {
+        let lobe = select(LOBE_REFLECTION, LOBE_TRANSMISSION, is_across);
+        let pdf = pdf_delta_at(b, lobe, w);
+        let eta_it = select(1.0, eta_across(m.ior, b.from_front), is_across);
+        let weight = rough_weight(m, is_across, b.direction, b.shading, b.from_front, w);
+        return Followed(lobe, albedo_at(b, lobe) * weight * (pdf * eta_it * eta_it), pdf);
+    }
+    if is_across || (m.flag_bits & SPECULAR) == 0u {
+        return no_followed();
+    }
+    let pdf = pdf_delta_at(b, LOBE_MIRROR, w);
+    if has_facets(m) {
+        return Followed(LOBE_MIRROR, microfacet_eval(m, m.specular, b.shading, w, -b.direction) * dot(w, b.shading), pdf);
+    }
+    return Followed(LOBE_MIRROR, m.specular * pdf, pdf);
+}
