@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Pictures of docs/MATERIALS.md: one for each block of TOML, docs/images/materials/NAME.png.
 
-usage: scripts/materials.py [JOTON]      JOTON: the program, target/release/joton where none is given
+usage: scripts/materials.py [JOTON] [NAME …]    JOTON: the program, target/release/joton where none is given; of these names alone
 """
 
 import pathlib
@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # A ball on a table of stripes before a wall, under a large and a small lamp.
 SCENE = """
 shape = [
-  {{ kind = "sphere", radius = 1, center = [0, 1, 0], material = {{ {material} }} }},
+  {shapes}
   {{ kind = "rectangle", size = 12, material = {{ kd = [0.5, 0.5, 0.48] }} }},
   {stripes}
   {{ kind = "rectangle", size = [12, 6], center = [0, 3, -4], facing = [0, 0, 1], material = {{ kd = [0.35, 0.42, 0.5] }} }},
@@ -29,6 +29,7 @@ fov_y = 27
 width = 240
 height = 240
 """
+BALL = 'kind = "sphere", radius = 1, center = [0, 1, 0], material = { %s }'
 STRIPE = '{{ kind = "rectangle", size = [0.35, 12], center = [{x}, 0.001, 0], material = {{ kd = [0.12, 0.12, 0.14] }} }},'
 
 
@@ -41,12 +42,16 @@ def main() -> None:
     for section in re.split(r"^## ", text, flags=re.M)[1:]:
         name = section.splitlines()[0]
         block = re.search(r"```toml\n(.*?)```", section, re.S)
-        if block is None:
+        if block is None or (sys.argv[2:] and name not in sys.argv[2:]):
             continue
-        material = ", ".join(block.group(1).strip().splitlines())
+        # a block is the ball's material, or the shapes that stand in its place
+        parts = [", ".join(part.strip().splitlines()) for part in block.group(1).split("[[shape]]")]
+        if len(parts) == 1:
+            parts.append(BALL % parts[0])
+        shapes = "\n  ".join("{ %s }," % part for part in parts[1:])
         picture = folder / (name.lower().replace(" ", "-") + ".png")
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as scene:
-            scene.write(SCENE.format(material=material, stripes=stripes))
+            scene.write(SCENE.format(shapes=shapes, stripes=stripes))
             scene.flush()
             subprocess.run([joton, "render", scene.name, "--device", "cpu", "--passes", "32", "-o", str(picture), "--quiet"], check=True)
         print(picture.relative_to(ROOT), flush=True)

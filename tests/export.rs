@@ -329,8 +329,12 @@ fn what_others_cannot_do_is_refused() {
         format!("{POINT}[[material]]\nname = \"a\"\nkd = {{ checkerboard = [[0, 0, 0], [1, 1, 1]] }}\n");
     let half = format!("{POINT}[[material]]\nname = \"a\"\nopacity = 0.5\n");
     let matte = "newmtl a\nKd 0.5 0.5 0.5\n";
+    let glass = |key: &str| format!("{POINT}[[material]]\nname = \"a\"\ntype = \"glass\"\n{key}\n");
+    let (dark, first) = (glass("absorption = 2"), glass("priority = 1"));
     for (toml, obj, mtl, culprit, remedy) in [
-        (&board[..], TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
+        (&dark[..], TRIANGLE, matte, "material \"a\": what its inside absorbs", "a tint"),
+        (&first, TRIANGLE, matte, "material \"a\": its priority", "an index over"),
+        (&board, TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
         (&half, TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
         (POINT, TRIANGLE, rough, "material \"a\": its microfacets", "smooth glass"),
         (POINT, TRIANGLE, glossy, "material \"a\": its glossy lobe", "make it matte"),

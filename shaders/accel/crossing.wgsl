@@ -1,6 +1,7 @@
 // Crossing: which of two faces a ray meets first where they are so near each other that rounded distances do not tell [E27].
 // Twin: Crossing in src/packed/accel/mod.rs.
 // import: scene/scene.wgsl
+// import: scene/features.wgsl
 
 // What it takes to tell.
 struct Face {
@@ -19,7 +20,9 @@ fn face_of(c: PackedTriangle) -> Face {
 // Of faces in one place the one of the highest rank is met. Twin: PackedTriangle::rank.
 fn face_rank(flags: u32, is_front: bool) -> u32 {
     let opaque = select(RANK_BACK, select(RANK_FRONT, RANK_LAMP, (flags & LAMP) != 0u), is_front);
-    return select(opaque, select(RANK_CLEAR_BACK, RANK_CLEAR_FRONT, is_front), (flags & CLEAR) != 0u);
+    // where bodies have priorities each is left when the next has been entered [E45]
+    let is_later = select(is_front, !is_front, HAS_MEDIA && (flags & NESTED) != 0u);
+    return select(opaque, select(RANK_CLEAR_BACK, RANK_CLEAR_FRONT, is_later), (flags & CLEAR) != 0u);
 }
 
 // Whether a ray meets face a before b; its origin is near to both, so that few digits are lost.

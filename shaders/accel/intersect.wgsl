@@ -68,7 +68,8 @@ fn is_occluded(origin: vec3<f32>, direction: vec3<f32>, distance: f32, end: vec3
     return trace_ray(origin, direction, distance, 0.0, true, end).triangle != MISS;
 }
 
-// Back faces nearer than t_back are not met: a ray that leaves a body starts a little inside of it. A ray for any hit ends at
+// Back faces nearer than t_back are not met: a ray that leaves a body starts a little inside of it. Where it is negative: front faces
+// nearer than that, of one that it enters. A ray for any hit ends at
 // the point `end`, t_limit away but for rounding.
 fn trace_ray(
     origin: vec3<f32>, direction: vec3<f32>, t_limit: f32, t_back: f32, any_hit: bool, end: vec3<f32>,
@@ -142,7 +143,7 @@ fn trace_ray(
             let slack_u = min(EDGE_SLACK + rounding * long_2, EDGE_SLACK_MAX);
             let slack_v = min(EDGE_SLACK + rounding * long_1, EDGE_SLACK_MAX);
             let is_inside = u >= -slack_u && v >= -slack_v && u + v <= 1.0 + max(slack_u, slack_v)
-                && t > select(0.0, t_back, det < 0.0);
+                && t > select(select(0.0, t_back, det < 0.0), max(0.0, select(-t_back, t_back, det < 0.0)), HAS_MEDIA);
             if any_hit {
                 let error = rounding * long_1 * long_2 + t_limit * END_ROUNDING;
                 // where rounded distances do not tell, the end tells on which side of the plane it is

@@ -8,6 +8,7 @@
 // import: scene/scene.wgsl
 // import: accel/intersect.wgsl
 // import: shading/lobes.wgsl
+// import: shading/media.wgsl
 // import: lights/pick.wgsl
 // import: lights/light.wgsl
 // import: lights/le.wgsl
@@ -24,6 +25,8 @@ struct Receiver {
     wo: vec3<f32>,
     // Shadow rays share their weight with BSDF samples.
     shares: bool,
+    // The bodies that it is in.
+    inside: u32,
 }
 
 // The points of a sequence that light samples take: the first one, and whose sequence it is.
@@ -62,7 +65,9 @@ fn near_emitter(p: vec3<f32>) -> bool {
 }
 
 // Light that a direction of the D lobes finds, with its share of the weight.
-fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> Bands {
+fn by_brdf(
+    m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, inside: u32, u: vec3<f32>,
+) -> Bands {
     let wi = sample_scatter(m, n, wo, u);
     let cos_receiver = dot(wi, n);
     if cos_receiver <= 0.0 || dot(wi, geometric) <= 0.0 {
@@ -81,6 +86,9 @@ fn by_brdf(m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f
             found = e.strength;
             pdf_light = f32(pass_info.light_candidates) * pdf_li(e, hit.t, -dot(wi, front));
         }
+    }
+    if HAS_MEDIA {
+        found *= transmittance(inside, hit.t);
     }
     if max_band(found) <= 0.0 {
         return Bands(0.0);
@@ -109,7 +117,11 @@ fn direct_light(r: Receiver, draws: LightDraws, u: vec4<f32>) -> DirectLight {
                 let pdf = candidates * light.pdf;
                 weight *= pdf / (pdf + pdf_scatter(r.material, r.shading, light.wi, r.wo));
             }
-            let gives = eval_scatter(r.material, r.shading, light.wi, r.wo) * light.weight * weight;
+            var gives = eval_scatter(r.material, r.shading, light.wi, r.wo) * light.weight * weight;
+            if HAS_MEDIA {
+                // a shadow ray crosses no boundary
+                gives *= transmittance(r.inside, light.distance);
+            }
             let size = max_band(gives);
             if size > 0.0 {
                 found += 1u;
@@ -129,7 +141,7 @@ fn direct_light(r: Receiver, draws: LightDraws, u: vec4<f32>) -> DirectLight {
     }
     if r.shares {
         result.rays += 1u;
-        result.by_lobe = by_brdf(r.material, r.origin, r.geometric, r.shading, r.wo, u.xyz);
+        result.by_lobe = by_brdf(r.material, r.origin, r.geometric, r.shading, r.wo, r.inside, u.xyz);
     }
     return result;
 }

@@ -17,6 +17,9 @@ var<private> direction_seeds: vec3<u32>;
 var<private> place_seeds_wrapped: vec3<u32>;
 var<private> direction_seeds_wrapped: vec3<u32>;
 
+// The emitter of the last joton that was emitted.
+var<private> emitted_by: u32;
+
 // Call this before `emit`, once: the seeds are the same for all jotons.
 fn prepare_emission() {
     let place = select(STREAM_DIFFUSE_PLACE, STREAM_CAUSTIC_PLACE, CAUSTIC);
@@ -34,6 +37,7 @@ fn emit(number: u32) -> Start {
     let u = sobol_point(at, select(place_seeds, place_seeds_wrapped, is_wrapped));
     var v = sobol_point(at, select(direction_seeds, direction_seeds_wrapped, is_wrapped));
     let pick = pick_emitter(u.x, pass_info.emitters);
+    emitted_by = pick.emitter;
     let e = emitter_at(pick.emitter);
     var share = 1.0 / (e.pick * f32(map_info.emitted));
     if HAS_WARPS && e.warp > 0u {

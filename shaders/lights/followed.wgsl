@@ -1,5 +1,5 @@
 // Followed light: light samples in lobes that are followed but have a width, narrow metal, coats and rough glass (E S* L), beside the eye
-// paths and trees that follow the lobe: the balance heuristic of all of them [E44]. Twin: src/backend/cpu/followed_light.rs.
+// paths and trees that follow the lobe: the balance heuristic of all of them [E46]. Twin: src/backend/cpu/followed_light.rs.
 // import: shading/followed.wgsl
 // import: lights/direct.wgsl
 // import: paths/splits.wgsl
@@ -36,6 +36,10 @@ fn light_in_lobes(s: Surface, b: Bsdf, w: LobeWeights, splits: Splits, trees: f3
         let light = sample_light(s.position, sobol2(at.x, seed));
         let followed = followed_from(b, light.wi);
         var gives = followed.f_cos * light.weight;
+        if HAS_MEDIA {
+            // a shadow ray crosses no boundary
+            gives *= transmittance(inside_after(b, followed.lobe), light.distance);
+        }
         if light.pdf > 0.0 {
             let after = splits_after(splits, w, followed.lobe, followed.pdf);
             gives *= weight_of_light(after, trees, candidates * light.pdf);

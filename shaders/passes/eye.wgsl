@@ -43,22 +43,27 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var throughput = Bands(1.0);
     var emission = Bands(0.0);
     var path_length = camera.travelled;
-    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level, 0u, 0u);
+    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level, 0u, 0u, 0u);
     var events = 0u;
     var rays = 0u;
     var saved = 0u;
+    var inside = inside_of_camera();
 
     loop {
         rays += 1u;
         let hit = nearest_hit(start.origin, direction, start.t_back);
         let is_wanted = !HAS_PATH_FILTER || path_wanted(PATH_START, events);
         if hit.triangle == MISS {
-            emission += select(Bands(0.0), throughput * on_miss(direction) * weight_of_eye(splits, trees, 0.0), is_wanted);
+            let light = throughput * on_miss(direction) * transmittance(inside, AFAR);
+            emission += select(Bands(0.0), light * weight_of_eye(splits, trees, 0.0), is_wanted);
             break;
         }
         path_length += hit.t;
         let s = surface_at(hit);
-        var b = bsdf_at(s, direction, seen_width(path_length));
+        var b = bsdf_at(s, direction, seen_width(path_length), inside);
+        if HAS_MEDIA {
+            throughput *= transmittance(b.before, hit.t);
+        }
         if is_wanted {
             emission += throughput * le_at(b) * weight_of_eye(splits, trees, pdf_of_lights(s, b, hit.t));
         }
@@ -93,7 +98,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 s.position + b.geometric * s.lift, gather_surface(s.material, events, b.from_front),
                 throughput * (kept / stop), path_length,
                 encode_direction(b.geometric), encode_direction(b.shading), encode_direction(-direction), level,
-                albedo.x, albedo.y,
+                albedo.x, albedo.y, b.before,
             );
             break;
         }
@@ -110,6 +115,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             throughput *= next.weight;
         }
         splits = splits_after(splits, weights, lobe, pdf_delta_at(b, lobe, next.direction));
+        inside = inside_after(b, lobe);
         direction = next.direction;
         start = departure(s, direction, b.from_front);
         events += 1u;

@@ -50,6 +50,8 @@ struct Way {
     t_back: f32,
     // From the eye.
     length: f32,
+    // The bodies that it is in.
+    inside: u32,
 }
 
 // Tree `number`, 64 bits, of a pixel. It ends before `steps` comes to `budget`. What it sees is weighed beside so many trees a
@@ -61,7 +63,7 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
     var found = Seen(Bands(0.0), false, false, 0u);
     var node = 0u;
     let camera = sample_camera(pixel, number.x, seed, STREAM_GLINT_JITTER);
-    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0, 0.0), Bands(1.0), 0.0, camera.travelled);
+    var way = Way(camera.origin, 0u, camera.direction, Splits(1.0, 1.0, 0.0), Bands(1.0), 0.0, camera.travelled, inside_of_camera());
     var alive = true;
     // A tree may have more rays than an invocation's loops. From half of its steps on one way goes on for all that are left,
     // picked by what they carry: to let each end by chance instead makes the few that remain hundreds of times too bright.
@@ -92,12 +94,16 @@ fn tree(pixel: u32, number: vec2<u32>, trees: f32, pilot: bool, budget: u32) -> 
         let is_wanted = pilot || !HAS_PATH_FILTER || path_wanted(PATH_START, way.events);
         if hit.triangle == MISS {
             let weight = select(weight_of_tree(way.splits, trees, 0.0), 1.0, pilot);
-            found.emission += select(Bands(0.0), way.throughput * on_miss(way.direction) * weight, is_wanted);
+            let left = transmittance(way.inside, AFAR);
+            found.emission += select(Bands(0.0), way.throughput * on_miss(way.direction) * left * weight, is_wanted);
             continue;
         }
         way.length += hit.t;
         let s = surface_at(hit);
-        var b = bsdf_at(s, way.direction, seen_width(way.length));
+        var b = bsdf_at(s, way.direction, seen_width(way.length), way.inside);
+        if HAS_MEDIA {
+            way.throughput *= transmittance(b.before, hit.t);
+        }
         let light = le_at(b);
         if max_band(light) > 0.0 && is_wanted {
             let weight = weight_of_tree(way.splits, trees, pdf_of_lights(s, b, hit.t));
@@ -160,7 +166,8 @@ fn after(way: Way, s: Surface, b: Bsdf, weights: LobeWeights, lobe: u32, u: vec2
         throughput *= sample.weight;
     }
     let splits = splits_after(way.splits, weights, lobe, pdf_delta_at(b, lobe, sample.direction));
-    let next = Way(start.origin, way.events + 1u, sample.direction, splits, throughput, start.t_back, way.length);
+    let inside = inside_after(b, lobe);
+    let next = Way(start.origin, way.events + 1u, sample.direction, splits, throughput, start.t_back, way.length, inside);
     return Next(next, max_band(sample.weight) > 0.0 && max_band(throughput) > 0.0);
 }
 

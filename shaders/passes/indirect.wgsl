@@ -155,6 +155,8 @@ struct Path {
     sum: Bands,
     rays: u32,
     saved: u32,
+    // The bodies that it is in.
+    inside: u32,
 }
 
 // The paths of a tile in one pass are an aligned block of its sequence, which covers the square evenly, and each pixel takes
@@ -193,7 +195,7 @@ fn set_out(p: ptr<function, Path>, pixel: u32, sample: u32) -> bool {
     }
     *p = Path(
         pixel, sample, Departure(point.position, 0.0), start.direction, point.path_length, throughput, 1u, true, accepted,
-        Bands(0.0), (*p).rays, (*p).saved,
+        Bands(0.0), (*p).rays, (*p).saved, point.inside,
     );
     return max_band(throughput) > 0.0 && !(HAS_PATH_FILTER && accepted == 0u);
 }
@@ -209,7 +211,11 @@ fn go_on(p: ptr<function, Path>) -> bool {
     }
     (*p).length += hit.t;
     let s = surface_at(hit);
-    var b = bsdf_at(s, direction, 0.0);
+    var b = bsdf_at(s, direction, 0.0, (*p).inside);
+    if HAS_MEDIA {
+        (*p).throughput *= transmittance(b.before, hit.t);
+        (*p).inside = b.before;
+    }
     let weights = weights_at(b, (*p).throughput);
     let scattered = scatter_weight(weights);
     let kept = scattered + delta_weight(weights);
@@ -224,7 +230,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
         let throughput = (*p).throughput * (kept / scattered);
         let origin = s.position + b.geometric * s.lift;
         let receiver = Receiver(
-            b.material, origin, b.geometric, b.shading, -direction, does_vary(b.material) || near_emitter(origin),
+            b.material, origin, b.geometric, b.shading, -direction, does_vary(b.material) || near_emitter(origin), b.before,
         );
         steps += min(pass_info.emitters, NEAR_EMITTERS_MAX);
         if !HAS_PATH_FILTER || (((*p).accepted >> path_step(PATH_START, EVENT_D)) & 1u) != 0u {
@@ -272,6 +278,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
         if HAS_FACETS {
             (*p).throughput *= next.weight;
         }
+        (*p).inside = inside_after(b, lobe);
         (*p).direction = next.direction;
         (*p).departs = departure(s, next.direction, b.from_front);
     }
@@ -296,7 +303,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let first = linear_index(id, groups);
     let last = groups.x * groups.y * WORKGROUP;
     var p = Path(
-        0u, first, Departure(vec3(0.0), 0.0), vec3(0.0), 0.0, Bands(0.0), 0u, false, 0u, Bands(0.0), 0u, 0u,
+        0u, first, Departure(vec3(0.0), 0.0), vec3(0.0), 0.0, Bands(0.0), 0u, false, 0u, Bands(0.0), 0u, 0u, 0u,
     );
     var is_under_way = false;
     // loop iterations of the paths before

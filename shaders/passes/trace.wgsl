@@ -59,6 +59,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             lane.t_back = 0.0;
             lane.direction = start.direction;
             lane.flux = start.flux;
+            lane.inside = inside_of_emitter(emitted_by);
             lane.status = PATH_START;
             if max_band(start.flux) <= 0.0 {
                 continue;
@@ -76,12 +77,19 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         tally.rays += 1u;
         if hit.triangle == MISS {
-            tally.escaped += four_of_bands(lane.flux);
+            let left = transmittance(lane.inside, AFAR);
+            tally.escaped += four_of_bands(lane.flux * left);
+            tally.absorbed += four_of_bands(lane.flux * (1.0 - left));
             lane.status = 0u;
             continue;
         }
         let s = surface_at(hit);
-        var b = bsdf_at(s, lane.direction, 0.0);
+        var b = bsdf_at(s, lane.direction, 0.0, lane.inside);
+        if HAS_MEDIA {
+            let left = transmittance(b.before, hit.t);
+            tally.absorbed += four_of_bands(lane.flux * (1.0 - left));
+            lane.flux *= left;
+        }
         let wi = -lane.direction;
         // [E11] jotons see shading normals through their adjoint
         var adjoint_in = 1.0;
@@ -158,6 +166,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 continue;
             }
         }
+        lane.inside = inside_after(b, lobe);
         let start = departure(s, lane.direction, b.from_front);
         lane.origin = start.origin;
         lane.t_back = start.t_back;

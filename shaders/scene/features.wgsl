@@ -8,6 +8,8 @@ override HAS_GLOSSY: bool = true;
 override HAS_TEXTURES: bool = true;
 // Some of some surface is not there.
 override HAS_CUTOUTS: bool = true;
+// The inside of some body matters: what it absorbs, or its priority.
+override HAS_MEDIA: bool = true;
 // Some surface is of microfacets.
 override HAS_FACETS: bool = true;
 // What the bands are differs from pass to pass.

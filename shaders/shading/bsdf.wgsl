@@ -2,6 +2,7 @@
 // import: shading/surface.wgsl
 // import: shading/material.wgsl
 // import: shading/lobes.wgsl
+// import: shading/media.wgsl
 
 struct Bsdf {
     material: PackedMaterial,
@@ -14,16 +15,27 @@ struct Bsdf {
     at: AtAngle,
     // Factor on what is transmitted: one, but where bands part [E36].
     parted: Bands,
+    // The bodies before the surface and beyond it [E44].
+    before: u32,
+    beyond: u32,
 }
 
-// To who sees so wide a part of the surface at once, internal units; 0 sees textures as fine as they are.
-fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32) -> Bsdf {
-    let m = resolved_material(s.material, s.texture.uv, width * s.texture.per_unit);
+// To who comes in these bodies, and sees so wide a part of the surface at once, internal units; 0 sees textures as fine as they are.
+fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32, inside: u32) -> Bsdf {
+    var m = resolved_material(s.material, s.texture.uv, width * s.texture.per_unit);
     let from_front = dot(direction, s.front) < 0.0;
     let geometric = s.front * select(-1.0, 1.0, from_front);
     let shading = facing_normal(s, direction, geometric);
+    let before = inside_before(inside, m, from_front);
+    let beyond = inside_beyond(before, m, from_front);
+    m = boundary_between(m, from_front, before, beyond);
     let at = at_angle(m, shading, direction, from_front);
-    return Bsdf(m, direction, from_front, geometric, shading, at, Bands(1.0));
+    return Bsdf(m, direction, from_front, geometric, shading, at, Bands(1.0), before, beyond);
+}
+
+// The bodies in which light is that left by a lobe.
+fn inside_after(b: Bsdf, lobe: u32) -> u32 {
+    return select(b.before, b.beyond, lobe == LOBE_TRANSMISSION);
 }
 
 // Where bands part, one of them is transmitted, picked by what of each would be: p = c / Σc [E36]. u in [0, 1), one number for a path:

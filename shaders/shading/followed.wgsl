@@ -1,4 +1,4 @@
-// Followed: lobes that light follows as it follows a mirror, but that have a width: for light samples, which may lie in them [E44].
+// Followed: lobes that light follows as it follows a mirror, but that have a width: for light samples, which may lie in them [E46].
 // no_followed_light.wgsl is in place of this and of lights/followed.wgsl where there is none. Twin: src/optics/shading/bsdf.rs.
 // import: shading/bsdf.wgsl
 

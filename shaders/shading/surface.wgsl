@@ -17,6 +17,8 @@ struct Surface {
     lift: f32,
     // Where a texture lies on it.
     texture: TexturePlace,
+    // It bounds a body, and priorities decide what is in it.
+    is_nested: bool,
 }
 
 fn surface_at(hit: Hit) -> Surface {
@@ -24,7 +26,8 @@ fn surface_at(hit: Hit) -> Surface {
     let front = normalize(cross(t.e1, t.e2));
     let lift = lift_of(front, abs(t.v0) + abs(t.e1) + abs(t.e2));
     let nowhere = TexturePlace(vec2(0.0), 0.0);
-    var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift, nowhere);
+    var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift, nowhere, false);
+    s.is_nested = HAS_MEDIA && (t.flags & NESTED) != 0u;
     if (HAS_TEXTURES && (t.flags & TEXTURED) != 0u) || (HAS_CUTOUTS && (t.flags & CUT) != 0u) {
         s.texture = texture_place(hit.triangle, t, vec2(hit.u, hit.v));
     }
@@ -49,6 +52,10 @@ struct Departure {
 // inner side, where it still meets the front of what touches the body.
 fn departure(s: Surface, direction: vec3<f32>, from_front: bool) -> Departure {
     let cosine = dot(direction, s.front);
+    if HAS_MEDIA && s.is_nested {
+        // before its front, whose like is not met again on the way in: so others in one place with it are passed, too [E45]
+        return Departure(s.position + s.front * s.lift, select(0.0, 2.0 * s.lift / cosine, cosine < 0.0));
+    }
     if !from_front && cosine > 0.0 {
         return Departure(s.position - s.front * s.lift, 2.0 * s.lift / cosine);
     }

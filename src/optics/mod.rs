@@ -2,5 +2,6 @@
 //! other's mistakes. The CPU backend renders with it, the plan learns with it.
 
 pub mod lights;
+pub(crate) mod media;
 pub(crate) mod ray;
 pub mod shading;

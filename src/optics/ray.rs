@@ -1,14 +1,16 @@
 //! Rays and what they meet: surfaces with both normals turned toward where the ray came from.
 
+use crate::optics::media::{Sides, transmittance};
 use crate::optics::shading::cutout::stops;
 use crate::optics::shading::frame::Frame;
 use crate::optics::shading::texture::TexturePlace;
 use crate::packed::accel::Hit;
 use crate::packed::constants::{LIFT, LIFT_LEAST};
 use crate::packed::{
-    CUT, MaterialFlags, PackedMaterial, PackedScene, PackedTriangle, SMOOTH, TEXTURED, Textures,
+    CUT, Inside, MaterialFlags, NESTED, PackedMaterial, PackedScene, PackedTriangle, SMOOTH, TEXTURED,
+    Textures,
 };
-use crate::spectrum::Bands;
+use crate::spectrum::{Bands, mul};
 use glam::Vec3;
 
 /// A ray; the direction is a unit vector.
@@ -16,14 +18,27 @@ use glam::Vec3;
 pub(crate) struct Ray {
     pub(crate) origin: Vec3,
     pub(crate) direction: Vec3,
-    /// Back faces nearer than this are not met: the ray starts so little inside of a body that it leaves.
+    /// Back faces nearer than this are not met: the ray starts so little inside of a body that it leaves. Where it is negative: front faces
+    /// nearer than that, of one that it enters.
     pub(crate) t_back: f32,
+    /// The bodies that it starts in.
+    pub(crate) inside: Inside,
 }
 
 impl Ray {
-    /// A ray that leaves no body.
+    /// A ray that leaves no body, outside of all.
     pub(crate) fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, t_back: 0.0 }
+        Self { origin, direction, t_back: 0.0, inside: Inside::default() }
+    }
+
+    /// The same ray in these bodies.
+    pub(crate) fn within(self, inside: Inside) -> Self {
+        Self { inside, ..self }
+    }
+
+    /// What is left of light that it brings from beyond the scene; none where that is all.
+    pub(crate) fn brings_from_afar(&self, scene: &PackedScene, light: &Bands) -> Bands {
+        transmittance(scene, self.inside, f32::INFINITY).map_or(*light, |left| mul(light, &left))
     }
 }
 
@@ -46,6 +61,12 @@ pub(crate) struct SurfaceInteraction<'a> {
     pub(crate) smooth: bool,
     pub(crate) triangle: &'a PackedTriangle,
     pub(crate) material: &'a PackedMaterial,
+    /// The bodies before it and beyond.
+    pub(crate) sides: Sides,
+    /// The material of a boundary as it is between the media that meet there; none where that is as it says.
+    boundary: Option<PackedMaterial>,
+    /// What is left of light that comes by the ray, per band; none where it is all.
+    transmittance: Option<Bands>,
     /// Where its texture lies.
     pub(crate) texture: TexturePlace,
     /// Those of the scene.
@@ -77,6 +98,12 @@ impl<'a> SurfaceInteraction<'a> {
         } else {
             TexturePlace::default()
         };
+        let material = &scene.materials[triangle.material as usize];
+        let sides = if scene.media.is_empty() {
+            Sides::default()
+        } else {
+            Sides::at(&scene.media, material, front, ray.inside)
+        };
         Some(Self {
             position: triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v,
             back: -ray.direction,
@@ -86,11 +113,24 @@ impl<'a> SurfaceInteraction<'a> {
             front,
             smooth,
             triangle,
-            material: &scene.materials[triangle.material as usize],
+            material,
+            sides,
+            boundary: sides.between(scene, material, front),
+            transmittance: transmittance(scene, sides.here, hit.t),
             texture,
             textures: &scene.textures,
             of_texel: scene.of_texel.as_ref(),
         })
+    }
+
+    /// The material, as it is between the media that meet there.
+    pub(crate) fn between(&self) -> &PackedMaterial {
+        self.boundary.as_ref().unwrap_or(self.material)
+    }
+
+    /// What of `light` is left that came by the ray.
+    pub(crate) fn through(&self, light: &Bands) -> Bands {
+        self.transmittance.map_or(*light, |left| mul(light, &left))
     }
 
     /// What the material can do.
@@ -102,13 +142,22 @@ impl<'a> SurfaceInteraction<'a> {
     /// still meets the front of what touches the body.
     pub(crate) fn leave(&self, direction: Vec3) -> Ray {
         let crosses = direction.dot(self.ng) < 0.0;
+        if self.triangle.flags & NESTED != 0 {
+            // before the front of a boundary, whose like is not met again on the way in: so others in one place with it are passed, too
+            let front = if self.front { self.ng } else { -self.ng };
+            let inward = -direction.dot(front);
+            let t_back = if inward > 0.0 { -2.0 * lift_of(front, self.triangle) / inward } else { 0.0 };
+            let inside = if crosses { self.sides.beyond } else { self.sides.here };
+            return Ray { origin: lift(self.position, front, self.triangle), direction, t_back, inside };
+        }
         let side = if crosses { -self.ng } else { self.ng };
         if crosses && !self.front {
             let lift = lift_of(side, self.triangle);
             let t_back = 2.0 * lift / direction.dot(side);
-            return Ray { origin: self.position - side * lift, direction, t_back };
+            return Ray { origin: self.position - side * lift, direction, t_back, inside: self.sides.beyond };
         }
-        Ray::new(lift(self.position, side, self.triangle), direction)
+        let inside = if crosses { self.sides.beyond } else { self.sides.here };
+        Ray::new(lift(self.position, side, self.triangle), direction).within(inside)
     }
 
     /// The directions that lobes depend on.
@@ -138,7 +187,7 @@ pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
 
 /// Which triangle a ray meets first, nearer than this.
 pub(crate) fn nearest(scene: &PackedScene, ray: &Ray, t_max: f32) -> Option<Hit> {
-    let Ray { origin, direction, t_back } = *ray;
+    let Ray { origin, direction, t_back, .. } = *ray;
     let (bvh, triangles) = (&scene.bvh, &scene.triangles[..]);
     if !scene.textures.has_cutouts {
         return bvh.closest_from_within(triangles, origin, direction, t_max, t_back, |_, _, _| true);

@@ -2,7 +2,7 @@
 //!
 //! Each boundary knows two indices, of its inside and of vacuum. Glass in glass is right where the inner index is given over
 //! the outer one, or where the inner surface is turned inward: a bubble. Where bodies overlap, the light in both is lost track
-//! of.
+//! of, unless one has a priority: then indices are over vacuum, and what is left to doubt are bodies of one priority that overlap.
 
 use super::PackedScene;
 use crate::packed::accel::{Bvh, Face};
@@ -42,6 +42,7 @@ impl Face for Flat {
 pub(super) fn doubts(scene: &Scene, packed: &PackedScene) -> Vec<String> {
     let material =
         |s: &GlassSurface| &scene.materials[scene.mesh.triangles[s.triangles[0] as usize].material as usize];
+    let has_priorities = packed.media.has_priorities;
     let mut surfaces = glass_surfaces(scene);
     surfaces.retain(|s| s.open_edges == 0 && !material(s).thin);
     if surfaces.len() < 2 {
@@ -72,16 +73,30 @@ pub(super) fn doubts(scene: &Scene, packed: &PackedScene) -> Vec<String> {
         let found: Vec<Option<u32>> = places.filter_map(|p| glass.around(p, s as u32)).collect();
         let Some(holder) = found.iter().flatten().next() else { continue };
         let (name, holder) = (&material(surface).name, material(&surfaces[*holder as usize]));
+        let is_decided = has_priorities && material(surface).interior.priority != holder.interior.priority;
+        if is_decided {
+            continue;
+        }
         if found.contains(&None) {
             mixed.extend([name.as_str(), &holder.name]);
-        } else if material(surface).dielectric.is_some_and(|d| d.ior > OVER_AIR) {
+        } else if !has_priorities && material(surface).dielectric.is_some_and(|d| d.ior > OVER_AIR) {
             inner.insert(name.as_str());
             outer.insert(holder.name.as_str());
         }
     }
     let overlap = (!mixed.is_empty()).then(|| {
-        let what = "where two are in one place light goes astray; part them, or cut one out of the other";
-        format!("bodies of glass overlap ({}): {what}", quoted(&mixed))
+        let [which, what] = if has_priorities {
+            [
+                "bodies of one priority",
+                "which counts depends on the way that light comes; give each a number of its own",
+            ]
+        } else {
+            [
+                "bodies of glass",
+                "where two are in one place light goes astray; part them, or give each a priority",
+            ]
+        };
+        format!("{which} overlap ({}): {what}", quoted(&mixed))
     });
     let nested = (!inner.is_empty()).then(|| {
         let what = "the index of inner glass counts over that of what is around it, not over air: divide it by the outer one";

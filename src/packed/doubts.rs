@@ -3,10 +3,12 @@
 //! A doubt is raised only where every ray agrees, so that a scene that is as it should be raises none.
 
 use super::bodies;
-use super::{EmitterKind, MaterialFlags, PackedEmitter, PackedScene, PackedTriangle};
+use super::{
+    BODIES_MOST, EmitterKind, MaterialFlags, PackedEmitter, PackedMaterial, PackedScene, PackedTriangle,
+};
 use crate::error::plain;
 use crate::sampling::rng;
-use crate::scene::{Scene, quoted};
+use crate::scene::{Interior, Scene, quoted};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -40,6 +42,8 @@ pub fn doubts(scene: &Scene, packed: &PackedScene) -> Vec<String> {
     lines.extend(look.lamps_that_light_nothing());
     lines.extend(look.lights_inside());
     lines.extend(look.glass_on_walls());
+    lines.extend(look.without_an_inside());
+    lines.extend(look.too_many_bodies());
     lines.extend(bodies::doubts(scene, packed));
     // names of materials are in them
     lines.iter().map(|line| plain(line).into_owned()).collect()
@@ -163,6 +167,28 @@ impl<'a> Look<'a> {
         (!bodies.is_empty()).then(|| {
             let all = bodies.into_iter().collect();
             format!("{lights} inside an opaque body, and none of the light gets out: {}", quoted(&all))
+        })
+    }
+
+    /// Panes of which something is said that is of bodies alone.
+    fn without_an_inside(&self) -> Option<String> {
+        let is_vain = |t: &&PackedTriangle| {
+            let interior = self.scene.materials[t.material as usize].interior;
+            self.flags(t).is_thin() && interior != Interior::default()
+        };
+        let panes: BTreeSet<&str> =
+            self.packed.triangles.iter().filter(is_vain).map(|t| self.name(t)).collect();
+        let what = "has no inside: its absorption and priority are ignored; close it, or set thin = false";
+        (!panes.is_empty()).then(|| format!("the thin pane {} {what}", quoted(&panes)))
+    }
+
+    /// Bodies without a number.
+    fn too_many_bodies(&self) -> Option<String> {
+        let is_body =
+            |m: &&PackedMaterial| m.flags().is_dielectric() && !m.flags().is_thin() && m.body() == 0;
+        let lost = self.packed.materials.iter().filter(is_body).count();
+        (lost > 0 && !self.packed.media.is_empty()).then(|| {
+            format!("{lost} materials of glass beyond the first {BODIES_MOST} absorb nothing, and their index is over what is around them")
         })
     }
 

@@ -5,6 +5,7 @@ use crate::packed::accel::Node;
 use crate::packed::gpu_struct::{GpuStruct, gpu_struct};
 use crate::packed::{PackedEmitter, PackedMaterial, PackedScene, PackedTexture, PackedTriangle, PackedUvs};
 use crate::spectrum::BANDS;
+use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use std::borrow::Cow;
 
@@ -33,6 +34,14 @@ gpu_struct! {
         pub textures: u32,
         /// Their texels.
         pub texels: u32,
+        /// Bodies whose inside matters, and what is in them: [`crate::packed::Media::words`].
+        pub media: u32,
+        /// Padding.
+        pub pad0: u32,
+        /// Padding.
+        pub pad1: u32,
+        /// Padding.
+        pub pad2: u32,
     }
 }
 
@@ -55,12 +64,14 @@ pub struct HeapCounts {
     pub textures: usize,
     /// Words of their texels.
     pub texels: usize,
+    /// Words about bodies.
+    pub media: usize,
     /// Lists of emitters, which differ in their probabilities.
     pub lists: usize,
 }
 
 /// Sections in their order, and the bytes of an entry.
-pub const SECTIONS: [(&str, usize); 8] = [
+pub const SECTIONS: [(&str, usize); 9] = [
     ("nodes", size_of::<Node>()),
     ("triangles", size_of::<PackedTriangle>()),
     ("normals", size_of::<PackedNormals>()),
@@ -69,14 +80,15 @@ pub const SECTIONS: [(&str, usize); 8] = [
     ("uvs", size_of::<PackedUvs>()),
     ("textures", size_of::<PackedTexture>()),
     ("texels", HEAP_WORD as usize),
+    ("media", HEAP_WORD as usize),
 ];
 
 impl HeapCounts {
     /// Of sections that are so many bytes long, by name.
     pub fn of_bytes(bytes: impl Fn(&str) -> usize) -> Self {
-        let [nodes, triangles, normals, materials, emitters, uvs, textures, texels] =
+        let [nodes, triangles, normals, materials, emitters, uvs, textures, texels, media] =
             SECTIONS.map(|(name, each)| bytes(name) / each);
-        Self { nodes, triangles, normals, materials, emitters, uvs, textures, texels, lists: 1 }
+        Self { nodes, triangles, normals, materials, emitters, uvs, textures, texels, media, lists: 1 }
     }
 
     /// Of a scene with so many lists of emitters.
@@ -90,6 +102,7 @@ impl HeapCounts {
             uvs: scene.textures.uvs.len(),
             textures: scene.textures.records.len(),
             texels: scene.textures.texels.len(),
+            media: scene.media.words().len(),
             lists,
         }
     }
@@ -124,6 +137,8 @@ impl HeapLayout {
             uvs: section(counts.uvs, size_of::<PackedUvs>()),
             textures: section(counts.textures, size_of::<PackedTexture>()),
             texels: section(counts.texels, HEAP_WORD as usize),
+            media: section(counts.media, HEAP_WORD as usize),
+            ..SceneInfo::zeroed()
         };
         let list = counts.emitters as u64 * size_of::<PackedEmitter>() as u64 / HEAP_WORD;
         Self { first, list, words }
@@ -153,13 +168,14 @@ impl HeapLayout {
     ) -> impl Iterator<Item = (u32, Cow<'a, [u8]>)> {
         /// Triangles whose normals are encoded together.
         const AT_ONCE: usize = 1 << 16;
-        let SceneInfo { nodes, triangles, normals, uvs, textures, texels, .. } = self.first;
+        let SceneInfo { nodes, triangles, normals, uvs, textures, texels, media, .. } = self.first;
         let plain = [
             (nodes, Cow::Borrowed(bytemuck::cast_slice(scene.bvh.nodes()))),
             (triangles, Cow::Borrowed(bytemuck::cast_slice(&scene.triangles))),
             (uvs, Cow::Borrowed(bytemuck::cast_slice(&scene.textures.uvs))),
             (textures, Cow::Borrowed(bytemuck::cast_slice(&scene.textures.records))),
             (texels, Cow::Borrowed(bytemuck::cast_slice(&scene.textures.texels))),
+            (media, Cow::Owned(bytemuck::cast_slice(&scene.media.words()).to_vec())),
         ];
         let in_bands = self.in_bands(scene, lists).map(|(first, bytes)| (first, Cow::Borrowed(bytes)));
         let normals = scene.shading_normals.chunks(AT_ONCE).enumerate().map(move |(i, some)| {

@@ -132,8 +132,10 @@ gpu_struct! {
         pub albedo_low: u32,
         /// … and the next.
         pub albedo_high: u32,
+        /// The bodies that it is in: [`crate::packed::Inside`].
+        pub inside: u32,
     }
-    words 4 + BANDS + 7
+    words 4 + BANDS + 8
 }
 
 gpu_struct! {
@@ -169,8 +171,10 @@ gpu_struct! {
         pub status: u32,
         /// Back faces nearer than this are not met by the next ray \[E27\].
         pub t_back: f32,
+        /// The bodies that the joton is in: [`crate::packed::Inside`].
+        pub inside: u32,
     }
-    words 8 + BANDS + 2
+    words 8 + BANDS + 3
 }
 
 gpu_struct! {

@@ -23,6 +23,7 @@ mod guide;
 pub mod heap;
 #[doc(hidden)]
 pub mod layout;
+mod media;
 mod spectra;
 mod surfaces;
 mod targets;
@@ -38,12 +39,13 @@ pub use doubts::doubts;
 pub use emitters::{EmitterKind, FAR, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use heap::{HEAP_WORD, HeapCounts, HeapLayout, PackedNormals, SceneInfo};
+pub use media::{BODIES_MOST, Body, Inside, Media, NESTED_MOST};
 pub use spectra::{PassBands, Spectra};
 pub use surfaces::{
-    CLEAR, CUT, LAMP, MaterialFlags, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, TEXTURED,
-    first_corner,
+    BODY_SHIFT, CLEAR, CUT, LAMP, MaterialFlags, NESTED, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH,
+    TEXTURED, first_corner,
 };
-pub(crate) use surfaces::{rank, without_copies};
+pub(crate) use surfaces::{SAME_INDEX, rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
 pub use textures::{PackedTexture, PackedUvs, TextureFlags, Textures};
 pub use visible_cells::{VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, VisibleCells};
@@ -115,6 +117,8 @@ pub struct PackedScene {
     pub diffuse_area: f64,
     /// Some faces may lie in one place: which of them a ray meets is to be asked \[E27\].
     pub has_contacts: bool,
+    /// Bodies whose inside matters, and what is in them.
+    pub media: Arc<Media>,
     /// What a texel of red, green or blue alone reflects in the bands of a pass; none where these are red, green and blue.
     pub of_texel: Option<[Bands; 3]>,
     /// The scene by wavelength, where it is rendered so; its bands are red, green and blue else.
@@ -176,7 +180,9 @@ impl PackedScene {
         let (bvh, order) = Bvh::build(&corners);
         let order: Vec<u32> = order.into_iter().map(|i| kept[i as usize]).collect();
         let mut materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
+        let media = Media::of(scene, &mut materials, world_scale);
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &turned, &order);
+        media.mark(&mut triangles, &materials);
         let first = |i: u32| first_corner(vertices[i as usize]);
         let textures = Textures::pack(scene, &mut materials, &turned, &order, first);
         let internal_bounds = [to_internal(lo), to_internal(hi)];
@@ -191,13 +197,16 @@ impl PackedScene {
         let spectra = scene
             .wavelengths
             .are_rendered
-            .then(|| Arc::new(Spectra::new(scene, &materials, &emitters, sources)));
+            .then(|| Arc::new(Spectra::new(scene, &materials, &emitters, sources, world_scale)));
         let targets = targets::find(&triangles, &materials);
         let has_contacts = contacts::any(&bvh, &triangles);
+        let eye = internal(scene.camera.position);
+        let look = media::Look { bvh: &bvh, triangles: &triangles, materials: &materials };
+        let media = media.with_starts(&look, eye.as_vec3(), &emitters);
         let packed = Self {
             world_scale,
             world_center,
-            camera: PackedCamera::new(&scene.camera, internal(scene.camera.position)),
+            camera: PackedCamera::new(&scene.camera, eye),
             size: scene.size,
             bvh: Arc::new(bvh),
             triangles: Arc::new(triangles),
@@ -210,6 +219,7 @@ impl PackedScene {
             bounds: internal_bounds,
             diffuse_area,
             has_contacts,
+            media: Arc::new(media),
             of_texel: None,
             spectra,
             out_of_reach: OutOfReach::default(),

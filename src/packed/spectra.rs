@@ -5,6 +5,7 @@
 
 use super::PackedScene;
 use super::emitters::{PackedEmitter, Source};
+use super::media::ABSORPTION_MOST;
 use super::surfaces::PackedMaterial;
 use crate::film::{half, place_in_half};
 use crate::scene::{FacetKind, Facets, Light, Material, MaterialSpectra, Scene};
@@ -14,7 +15,7 @@ use crate::spectrum::metal::Metal;
 use crate::spectrum::pick::{Pick, rgb_matrix};
 use crate::spectrum::texel::bases_at;
 use crate::spectrum::wavelengths::Distribution;
-use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black, to_rgb};
+use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black, max, to_rgb};
 
 /// A scene by wavelength.
 #[derive(Debug, Clone)]
@@ -35,6 +36,8 @@ struct Curves {
     glossy: Spectrum,
     transmission: Spectrum,
     index: Option<Index>,
+    /// What its body absorbs, per internal unit of length.
+    absorption: Option<Spectrum>,
     /// The most that a texture leaves of `diffuse`: 1 where there is none.
     most: f32,
     /// Where it is one.
@@ -61,9 +64,10 @@ impl PassBands {
 }
 
 impl Curves {
-    fn new(m: &Material, packed: &PackedMaterial) -> Self {
+    fn new(m: &Material, packed: &PackedMaterial, world_scale: f64) -> Self {
         let stated = m.spectra.as_deref().cloned().unwrap_or_default();
-        let MaterialSpectra { diffuse, glossy, specular, transmission, index, emission: _ } = stated;
+        let MaterialSpectra { diffuse, glossy, specular, transmission, absorption, index, emission: _ } =
+            stated;
         let curve = |rgb: Bands, stated: Option<Spectrum>| {
             stated.unwrap_or_else(|| Spectrum::reflectance_of_rgb(rgb.map(f64::from)))
         };
@@ -82,6 +86,9 @@ impl Curves {
             glossy: curve(packed.glossy, glossy),
             transmission: curve(packed.transmission, transmission),
             index,
+            absorption: (packed.body() > 0 && !is_black(&packed.extinction)).then(|| {
+                absorption.unwrap_or_else(|| absorption_of_rgb(&m.interior.absorption)).scaled(world_scale)
+            }),
             most: m.diffuse_texture.as_ref().map_or(1.0, |t| t.most().into_iter().fold(0.0, f32::max)),
             metal,
             facets: m.facets,
@@ -102,6 +109,9 @@ impl Curves {
             for (band, lambda) in lambdas.into_iter().enumerate() {
                 [m.iors[band], m.extinction[band]] = metal.at(lambda).map(|x| x as f32);
             }
+        }
+        if let Some(absorption) = &self.absorption {
+            m.extinction = lambdas.map(|lambda| absorption.at(lambda).clamp(0.0, ABSORPTION_MOST) as f32);
         }
         if !base.flags().is_dielectric() && !base.flags().has_facets() {
             // lobes that reflect no more than arrives as colours may do so at a wavelength
@@ -132,6 +142,7 @@ impl Spectra {
         materials: &[PackedMaterial],
         emitters: &[PackedEmitter],
         sources: Vec<Source>,
+        world_scale: f64,
     ) -> Self {
         let of_rgb = |rgb: Bands| Emission::continuous(Spectrum::emission_of_rgb(rgb.map(f64::from)));
         let of_material = |m: &Material| {
@@ -150,8 +161,8 @@ impl Spectra {
         }
         let lit = shares.iter().zip(&emissions).filter_map(|(share, e)| Some((*share, e.as_ref()?)));
         let distribution = Distribution::new(lit.filter(|(share, _)| *share > 0.0));
-        let curves: Vec<Curves> =
-            scene.materials.iter().zip(materials).map(|(m, packed)| Curves::new(m, packed)).collect();
+        let of_packed = |(m, packed)| Curves::new(m, packed, world_scale);
+        let curves: Vec<Curves> = scene.materials.iter().zip(materials).map(of_packed).collect();
         Self { distribution, materials: curves, emissions, sources }
     }
 
@@ -206,6 +217,24 @@ impl Spectra {
             ..base.clone()
         }
     }
+}
+
+/// Absorption of this in red, green and blue: what is left of white where the most is absorbed that is, e^-1, is a smooth spectrum of its
+/// colour \[E44\].
+fn absorption_of_rgb(rgb: &Bands) -> Spectrum {
+    const LEAST_LEFT: f64 = 1e-6;
+    const LAMBDAS: std::ops::RangeInclusive<u32> = 360..=830;
+    let most = f64::from(max(rgb));
+    let left = Spectrum::reflectance_of_rgb(rgb.map(|x| (-f64::from(x) / most).exp()));
+    if left.is_constant() {
+        return Spectrum::Constant(most);
+    }
+    let lambdas: Vec<f64> = LAMBDAS.step_by(5).map(f64::from).collect();
+    let share = |lambda: &f64| left.at(*lambda).max(LEAST_LEFT).ln() / LEAST_LEFT.ln();
+    let shares = lambdas.iter().map(share).collect();
+    let table = Spectrum::reflectance_table(lambdas, shares);
+    // ascending wavelengths and shares of at most one make a table
+    table.map_or(Spectrum::Constant(most), |shares| shares.scaled(-LEAST_LEFT.ln() * most))
 }
 
 /// Flux of an emitter over its strength, the same in each band.

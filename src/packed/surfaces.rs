@@ -22,8 +22,12 @@ pub const TEXTURED: u32 = 8;
 /// Bit of [`PackedTriangle::flags`]: some of it is not there \[E38\].
 pub const CUT: u32 = 16;
 
+/// Bit of [`PackedTriangle::flags`]: it bounds a body, and priorities decide what is in it \[E45\].
+pub const NESTED: u32 = 32;
+
 /// Ranks of faces in one place ([`Face::rank`]): opaque before clear, since glass that touches an opaque face is in optical
-/// contact with it; of opaque faces those that look toward the ray, lamps first; of clear ones the way out before the way in.
+/// contact with it; of opaque faces those that look toward the ray, lamps first; of clear ones the way out before the way in, but where bodies have priorities: there each is left when
+/// the next has been entered, so that no air is between them.
 pub(crate) mod rank {
     pub(crate) const CLEAR_FRONT: u32 = 0;
     pub(crate) const CLEAR_BACK: u32 = 1;
@@ -41,7 +45,7 @@ gpu_struct! {
         pub material: u32,
         /// Second vertex minus first.
         pub e1: Vec3,
-        /// Bits: [`SMOOTH`], [`CLEAR`], [`LAMP`], [`TEXTURED`], [`CUT`].
+        /// Bits: [`SMOOTH`], [`CLEAR`], [`LAMP`], [`TEXTURED`], [`CUT`], [`NESTED`].
         pub flags: u32,
         /// Third vertex minus first.
         pub e2: Vec3,
@@ -75,9 +79,10 @@ impl Face for PackedTriangle {
 
     // twin: shaders/accel/crossing.wgsl
     fn rank(&self, is_front: bool) -> u32 {
+        let is_nested = self.flags & NESTED != 0;
         match (self.flags & CLEAR != 0, is_front) {
-            (true, true) => rank::CLEAR_FRONT,
-            (true, false) => rank::CLEAR_BACK,
+            (true, is_front) if is_nested == is_front => rank::CLEAR_BACK,
+            (true, _) => rank::CLEAR_FRONT,
             (false, false) => rank::BACK,
             (false, true) if self.flags & LAMP == 0 => rank::FRONT,
             (false, true) => rank::LAMP,
@@ -93,7 +98,10 @@ const FOLLOWED_ALPHA: f32 = 0.081_4;
 /// Microfacets of a smaller α are a smooth surface.
 const SMOOTH_ALPHA: f32 = 1e-4;
 /// Indices that differ by less are the same.
-const SAME_INDEX: f32 = 1e-4;
+pub(crate) const SAME_INDEX: f32 = 1e-4;
+
+/// Bits of [`PackedMaterial::flag_bits`] below the number of its body.
+pub const BODY_SHIFT: u32 = 24;
 
 /// What a material can do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -183,7 +191,7 @@ gpu_struct! {
     pub struct PackedMaterial {
         /// Lambertian reflectance; under a coat what leaves it over what enters it \[E42\].
         pub diffuse: Bands,
-        /// Bits of [`MaterialFlags`].
+        /// Bits of [`MaterialFlags`]; above them the number of its body, where its inside matters.
         pub flag_bits: u32,
         /// Mirror reflectance, or the dielectric's reflection tint.
         pub specular: Bands,
@@ -205,7 +213,7 @@ gpu_struct! {
         pub iors: Bands,
         /// GGX roughness α of the microfacets; 0 is smooth.
         pub alpha: f32,
-        /// A metal's index, its imaginary part.
+        /// A metal's index, its imaginary part; of a body what it absorbs, per internal unit of length.
         pub extinction: Bands,
         /// Part of even light that a coat lets through.
         pub coat_transmittance: f32,
@@ -224,7 +232,9 @@ impl PackedMaterial {
         let alpha = m.facets.map_or(0.0, |f| if f.alpha < SMOOTH_ALPHA { 0.0 } else { f.alpha.min(1.0) });
         let kind = m.facets.map(|f| f.kind).filter(|_| opaque);
         // a smooth interface needs no microfacets, and nothing bends in a pane or where the index stays
-        let is_interface = m.dielectric.is_some_and(|d| (d.ior - 1.0).abs() > SAME_INDEX) && !m.thin;
+        let is_interface =
+            m.dielectric.is_some_and(|d| (d.ior - 1.0).abs() > SAME_INDEX || m.interior.priority.is_some())
+                && !m.thin;
         set(kind.is_some() || (is_interface && alpha > 0.0), MaterialFlags::FACETS);
         // beside a mirror there is no room for a second lobe that is followed
         let is_narrow =
@@ -289,6 +299,11 @@ impl PackedMaterial {
         })
     }
 
+    /// Number of the body that it bounds among those whose inside matters, from 1; 0 where it is none.
+    pub fn body(&self) -> u32 {
+        self.flag_bits >> BODY_SHIFT
+    }
+
     /// True for microfacets that are not smooth.
     pub(crate) fn is_rough(&self) -> bool {
         self.flags().has_facets() && self.alpha > 0.0
@@ -313,6 +328,23 @@ impl PackedMaterial {
     /// True where what is stated as glossy is packed as `specular`: it is followed.
     pub(super) fn follows_glossy(&self, m: &Material) -> bool {
         !is_black(&m.glossy) && is_black(&self.glossy)
+    }
+
+    /// The same where two other media meet at it: index of what is behind it over that of what is before, in all and in each band.
+    pub(crate) fn between(&self, ior: f32, iors: Bands, is_dispersive: bool) -> Self {
+        // nothing bends at facets where the index stays
+        let same = if (ior - 1.0).abs() > SAME_INDEX { 0 } else { MaterialFlags::FACETS };
+        let disperses = if is_dispersive { MaterialFlags::DISPERSIVE } else { 0 };
+        let flag_bits = self.flag_bits & !(same | MaterialFlags::DISPERSIVE) | disperses;
+        Self { ior, iors, flag_bits, ..*self }
+    }
+
+    /// The same where it is no boundary: light goes straight through, as through a pane of the index of air.
+    pub(crate) fn passed(&self) -> Self {
+        let none = MaterialFlags::FACETS | MaterialFlags::DISPERSIVE;
+        let flag_bits = self.flag_bits & !none | MaterialFlags::THIN;
+        let (specular, transmission) = (BLACK, [1.0; BANDS]);
+        Self { ior: 1.0, iors: [1.0; BANDS], flag_bits, specular, transmission, ..*self }
     }
 
     /// Mark it as one whose index differs between the bands: `iors` says how \[E36\].

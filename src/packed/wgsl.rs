@@ -41,8 +41,9 @@ pub fn declarations() -> String {
 fn constants() -> String {
     use crate::packed::accel::{EDGE_ROUNDING, EDGE_SLACK, EDGE_SLACK_MAX, END_ROUNDING, ONE_PLACE};
     use crate::packed::{
-        CLEAR, CUT, EmitterKind, FAR, LAMP, MAX_WARPS, MaterialFlags, NO_EMITTER, SMOOTH, TEXTURED,
-        TextureFlags, VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, WARP_BINS, WARP_WORDS, rank,
+        BODY_SHIFT, CLEAR, CUT, EmitterKind, FAR, LAMP, MAX_WARPS, MaterialFlags, NESTED, NO_EMITTER,
+        SAME_INDEX, SMOOTH, TEXTURED, TextureFlags, VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, WARP_BINS,
+        WARP_WORDS, rank,
     };
     use std::fmt::Write;
     let mut s = String::new();
@@ -65,6 +66,8 @@ fn constants() -> String {
     u("LAMP", LAMP);
     u("TEXTURED", TEXTURED);
     u("CUT", CUT);
+    u("NESTED", NESTED);
+    u("BODY_SHIFT", BODY_SHIFT);
     u("RANK_CLEAR_FRONT", rank::CLEAR_FRONT);
     u("RANK_CLEAR_BACK", rank::CLEAR_BACK);
     u("RANK_BACK", rank::BACK);
@@ -101,6 +104,7 @@ fn constants() -> String {
     f("EDGE_SLACK_MAX", EDGE_SLACK_MAX);
     f("END_ROUNDING", END_ROUNDING);
     f("FAR", FAR);
+    f("SAME_INDEX", SAME_INDEX);
     let mut v = |name: &str, [x, y, z, w]: [f32; 4]| {
         writeln!(s, "const {name} = Vec4({x:?}, {y:?}, {z:?}, {w:?});").expect("writing to a string");
     };

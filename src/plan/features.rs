@@ -18,6 +18,8 @@ pub struct Features {
     pub textures: bool,
     /// Some of some surface is not there.
     pub cutouts: bool,
+    /// The inside of some body matters: what it absorbs, or its priority.
+    pub media: bool,
     /// What the bands are differs from pass to pass.
     pub wavelengths: bool,
     /// Some dielectric's index differs between the bands.
@@ -57,6 +59,7 @@ impl Features {
                 Reason::NoTexture,
             ),
             cutouts: needs(scene.textures.has_cutouts, Part::CutOuts, Reason::NothingCut),
+            media: needs(!scene.media.is_empty(), Part::Media, Reason::PlainBodies),
             wavelengths: scene.spectra.is_some(),
             dispersion: needs(
                 scene.spectra.as_ref().is_some_and(|spectra| spectra.disperses()),
@@ -78,13 +81,14 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 13] {
+    pub fn named(&self) -> [(&'static str, bool); 14] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
             ("HAS_DIELECTRIC", self.dielectric),
             ("HAS_TEXTURES", self.textures),
             ("HAS_CUTOUTS", self.cutouts),
+            ("HAS_MEDIA", self.media),
             ("HAS_WAVELENGTHS", self.wavelengths),
             ("HAS_DISPERSION", self.dispersion),
             ("HAS_GLOSSY", self.glossy),

@@ -24,6 +24,8 @@ pub enum Part {
     Textures,
     /// Code for surfaces of which some is not there.
     CutOuts,
+    /// Code for what bodies absorb, and which of several counts.
+    Media,
     /// Code for bands that part where the index of refraction differs between them.
     Dispersion,
     /// Code for glossy lobes.
@@ -84,6 +86,8 @@ pub enum Reason {
     NoTexture,
     /// All of every surface is there.
     NothingCut,
+    /// No body absorbs light, and none has a priority.
+    PlainBodies,
     /// No surface is glossy.
     NoGlossySurface,
     /// No surface is of microfacets.
@@ -125,7 +129,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 23] = [
+    pub const ALL: [Part; 24] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -135,6 +139,7 @@ impl Part {
         Part::Refraction,
         Part::Textures,
         Part::CutOuts,
+        Part::Media,
         Part::Dispersion,
         Part::GlossyLobes,
         Part::Microfacets,
@@ -163,6 +168,7 @@ impl Part {
             Part::Refraction => "refraction",
             Part::Textures => "textures",
             Part::CutOuts => "cut-outs",
+            Part::Media => "media",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy-lobes",
             Part::Microfacets => "microfacets",
@@ -192,6 +198,7 @@ impl Part {
             Part::Refraction => "refraction",
             Part::Textures => "textures",
             Part::CutOuts => "cut-outs",
+            Part::Media => "absorption and priorities of bodies",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy lobes",
             Part::Microfacets => "microfacets",
@@ -243,6 +250,7 @@ impl Reason {
             Reason::NothingDisperses => "no surface bends one wavelength more than another",
             Reason::NoTexture => "no surface has a texture",
             Reason::NothingCut => "all of every surface is there",
+            Reason::PlainBodies => "no body absorbs light or has a priority",
             Reason::NoGlossySurface => "no surface is glossy",
             Reason::NoMicrofacets => "no surface is metal, coated or rough by roughness",
             Reason::AllFlat => "every triangle is flat",
@@ -282,6 +290,7 @@ impl Reason {
             Reason::NothingDisperses => "a named glass, or an Abbe number",
             Reason::NoTexture => "a texture",
             Reason::NothingCut => "an opacity",
+            Reason::PlainBodies => "absorption, or a priority",
             Reason::NoGlossySurface => "a glossy surface",
             Reason::NoMicrofacets => "metal, plastic or rough glass",
             Reason::AllFlat => "normals at vertices",

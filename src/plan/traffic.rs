@@ -152,11 +152,12 @@ fn mean(all: impl Iterator<Item = Mean>, paths: u32) -> Mean {
 fn start(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Option<(Ray, Bands)> {
     let seed = plan.settings.seed;
     let draw = |k: u32| sobol2(number, sequence_seed(seed, k, STREAM_TRAFFIC[path as usize]));
-    let of = |s: Start| (Ray::new(s.origin, s.direction), s.flux);
+    let of = |s: Start| (s.ray(), s.flux);
     match path {
         Path::Camera => {
             let camera = scene.camera.ray(draw(0));
-            Some((Ray::new(camera.origin, camera.direction), [1.0; BANDS]))
+            let ray = Ray::new(camera.origin, camera.direction).within(scene.media.camera);
+            Some((ray, [1.0; BANDS]))
         }
         _ if scene.emitters.is_empty() => None,
         Path::Caustic => aimed(scene, &plan.guides.caustic, draw(0), draw(1), 1.0).map(of),

@@ -37,7 +37,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
     } else {
         scene.sample_camera(pixel, number.into(), seed, STREAM_PATCH)
     };
-    let ray = Ray::new(origin, direction);
+    let ray = Ray::new(origin, direction).within(scene.media.camera);
     // the first way of each split is followed at once, the others later
     let mut later = Vec::new();
     let mut next = Some(Branch { ray, throughput: [1.0; BANDS], length, kind: 0, event: 0, part: 1.0 });
@@ -45,7 +45,8 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
         let Some(s) = SurfaceInteraction::hit(scene, &branch.ray) else { continue };
         let length = branch.length + s.distance;
         let bsdf = Bsdf::seen(scene, &s, length);
-        let shares = bsdf.shares(&branch.throughput);
+        let arrives = s.through(&branch.throughput);
+        let shares = bsdf.shares(&arrives);
         let ways: [f32; 1 + DELTA_MOST] =
             std::array::from_fn(|way| if way == 0 { shares.scatter } else { shares.delta[way - 1] });
         let largest = ways.iter().fold(0.0f32, |a, b| a.max(*b));
@@ -55,7 +56,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
         if followed <= 0.0 {
             continue;
         }
-        let throughput = scale(&branch.throughput, shares.kept() / followed);
+        let throughput = scale(&arrives, shares.kept() / followed);
         if goes_on(0) {
             let varies = bsdf.scatter.varies();
             let place = Place {

@@ -299,6 +299,11 @@ impl RawMaterial {
             ks: if other.ks.is_some() { theirs.ks } else { self.spectra.ks.clone() },
             tf: if other.tf.is_some() { theirs.tf } else { self.spectra.tf.clone() },
             ke: if other.ke.is_some() { theirs.ke } else { self.spectra.ke.clone() },
+            absorption: if other.absorption.is_some() {
+                theirs.absorption
+            } else {
+                self.spectra.absorption.clone()
+            },
             ni: if other.ni.is_some() { theirs.ni } else { self.spectra.ni.clone() },
         };
         // a lobe that is stated replaces Blender's
@@ -323,6 +328,8 @@ impl RawMaterial {
             eta: other.eta.or(self.eta),
             k: other.k.or(self.k),
             saturated: other.saturated.or(self.saturated),
+            absorption: other.absorption.or(self.absorption),
+            priority: other.priority.or(self.priority),
             map_kd,
             textured,
             opacity,

@@ -35,6 +35,8 @@ pub struct Material {
     pub dielectric: Option<Dielectric>,
     /// The dielectric is a pane without thickness: both of its faces lie in one place \[E26\].
     pub thin: bool,
+    /// What light meets inside of the body that the dielectric bounds.
+    pub interior: Interior,
     /// Radiance emitted from the front, W/(m² sr) per band.
     pub emission: Bands,
     /// By wavelength, the index of what [`FacetKind::Conductor`] says in red, green and blue; none where that is all that is known.
@@ -46,12 +48,21 @@ pub struct Material {
 /// A smooth boundary between vacuum (outside, where the normal points) and a transparent body (inside).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dielectric {
-    /// Index of refraction inside over outside.
+    /// Index of refraction inside over outside; over vacuum where some body of the scene has a priority.
     pub ior: f32,
     /// Factor on what is reflected, per band.
     pub reflection_tint: Bands,
     /// Factor on what is transmitted at each crossing, per band.
     pub transmission_tint: Bands,
+}
+
+/// What light meets inside of a transparent body.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Interior {
+    /// What is absorbed, per band and world unit of length: of light, exp(−absorption · length) is left \[E44\].
+    pub absorption: Bands,
+    /// Which of several bodies in one place counts: that of the lowest number, and of those without one the one entered last \[E45\].
+    pub priority: Option<i64>,
 }
 
 /// A surface of tiny mirrors, whose slopes are distributed as GGX has it \[E41\].
@@ -124,6 +135,7 @@ impl Material {
             specular: BLACK,
             dielectric: None,
             thin: false,
+            interior: Interior::default(),
             emission: BLACK,
             metal: None,
             spectra: None,

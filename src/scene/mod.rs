@@ -1,5 +1,6 @@
 //! Scene: what is to be rendered; validated, free of any backend, in the user's world units (f64).
 
+mod absorption;
 mod assembly;
 mod blender;
 mod camera;
@@ -32,7 +33,7 @@ mod weld;
 pub use camera::Camera;
 pub use light::{Light, LightPlace};
 pub use load::{check_format, load};
-pub use material::{Dielectric, FacetKind, Facets, Inner, Material};
+pub use material::{Dielectric, FacetKind, Facets, Inner, Interior, Material};
 pub use spectra::{MaterialSpectra, WavelengthReason, Wavelengths};
 pub(crate) use warnings::quoted;
 pub(crate) use weld::Surface as GlassSurface;

@@ -54,6 +54,8 @@ pub(crate) struct RawSpectra {
     pub(crate) tf: Option<Spectrum>,
     /// Of `ke`.
     pub(crate) ke: Option<Emission>,
+    /// Of `absorption`.
+    pub(crate) absorption: Option<Spectrum>,
     /// Of `ni`.
     pub(crate) ni: Option<Index>,
 }
@@ -103,6 +105,10 @@ pub(crate) struct RawMaterial {
     pub(crate) k: Option<At<Bands>>,
     /// Set by a scene file: light takes on more of a base's colour with each turn under its coat.
     pub(crate) saturated: Option<At<bool>>,
+    /// Set by a scene file: what a transparent body absorbs, per unit of length.
+    pub(crate) absorption: Option<At<Bands>>,
+    /// Set by a scene file: which of several transparent bodies in one place counts.
+    pub(crate) priority: Option<At<i64>>,
     /// Opacity.
     pub(crate) d: Option<At<f32>>,
     /// Transparency, or opacity in old files.

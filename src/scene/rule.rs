@@ -25,7 +25,7 @@ use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
 use super::texture::{Opacity, Texture};
 use super::warnings::{Named, Warnings};
-use super::{Dielectric, Material, MaterialSpectra, facets};
+use super::{Dielectric, Interior, Material, MaterialSpectra, facets};
 use crate::spectrum::{self, BLACK, Bands, Spectrum};
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -65,6 +65,10 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     let ks = raw.ks.map_or(BLACK, |ks| ks.value);
     let mut result = Material::matte(raw.name.clone(), BLACK);
     result.emission = raw.ke.map_or(BLACK, |ke| ke.value);
+    if let Some((key, line)) = stated_of_interior(raw).filter(|_| kind != Kind::Glass) {
+        let what = format!("material \"{}\": {key} of what is no glass", raw.name);
+        return Err(Error::scene(&raw.file, Some(line), what, "give type = \"glass\", or leave it out"));
+    }
     if kind == Kind::Glass {
         if let Some(kd) = raw.kd.filter(|kd| spectrum::max(&kd.value) > NOTICED_DIFFUSE) {
             warn(Some(kd.line), "Kd of a glass is ignored");
@@ -73,6 +77,10 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
             warn(Some(stated.line), "textures of a glass are not read");
         }
         result.dielectric = Some(dielectric(raw, &mut warn));
+        result.interior = Interior {
+            absorption: raw.absorption.map_or(BLACK, |a| a.value),
+            priority: raw.priority.map(|p| p.value),
+        };
         facets::apply(raw, kind, &mut result, &mut warn);
         result.spectra = spectra(raw, kind);
         return Ok(result);
@@ -117,7 +125,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
 
 /// What is stated by wavelength, for the lobes that a material of this kind has; none where nothing is.
 fn spectra(raw: &RawMaterial, kind: Kind) -> Option<Arc<MaterialSpectra>> {
-    let RawSpectra { kd, ks, tf, ke, ni } = raw.spectra.clone();
+    let RawSpectra { kd, ks, tf, ke, absorption, ni } = raw.spectra.clone();
     let of = |is_meant: bool, spectrum: Option<Spectrum>| spectrum.filter(|_| is_meant);
     let is_glass = kind == Kind::Glass;
     // what is diffuse then follows from its colour
@@ -128,9 +136,16 @@ fn spectra(raw: &RawMaterial, kind: Kind) -> Option<Arc<MaterialSpectra>> {
         specular: of(is_glass || kind == Kind::Mirror, ks),
         transmission: of(is_glass, tf),
         emission: ke,
+        absorption: of(is_glass, absorption),
         index: ni.filter(|_| is_glass),
     };
     (!spectra.is_empty()).then(|| Arc::new(spectra))
+}
+
+/// A statement about the inside of a body, and its line.
+fn stated_of_interior(raw: &RawMaterial) -> Option<(&'static str, usize)> {
+    let absorption = raw.absorption.map(|a| ("absorption", a.line));
+    absorption.or(raw.priority.map(|p| ("priority", p.line)))
 }
 
 /// What `illum` and its companions ask for.

@@ -3,6 +3,7 @@
 //! reads   TOML text
 //! writes  a [`Description`]: typed, every key known, not yet looked up or put together
 
+use super::absorption;
 use super::camera::CameraEntry;
 use super::light::{self, Light};
 use super::mtl::{At, Kind, RawMaterial, RawSpectra};
@@ -193,7 +194,7 @@ fn material_entry(table: Table, path: &Path) -> Result<MaterialEntry> {
 }
 
 /// What may be said of a material.
-const MATERIAL_KEYS: [&str; 16] = [
+const MATERIAL_KEYS: [&str; 20] = [
     "type",
     "kd",
     "ks",
@@ -210,6 +211,10 @@ const MATERIAL_KEYS: [&str; 16] = [
     "metallic",
     "saturated",
     "opacity",
+    "absorption",
+    "attenuation_color",
+    "attenuation_distance",
+    "priority",
 ];
 
 /// Keys that some kinds of material alone read.
@@ -266,6 +271,7 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
     ];
     let (ke, ke_spectrum) = spectrum_entry::emission(table, "ke")?;
     let (ni, index) = spectrum_entry::index(table, "ior")?;
+    let (absorption, absorption_spectrum) = absorption::read(table)?;
     let metal = match table.optional_string("metal")? {
         None => None,
         Some(At { value, line }) => {
@@ -292,7 +298,16 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         ke,
         tf,
         ni,
-        spectra: RawSpectra { kd: kd_spectrum, ks: ks_spectrum, tf: tf_spectrum, ke: ke_spectrum, ni: index },
+        absorption,
+        priority: table.integer("priority")?,
+        spectra: RawSpectra {
+            kd: kd_spectrum,
+            ks: ks_spectrum,
+            tf: tf_spectrum,
+            ke: ke_spectrum,
+            absorption: absorption_spectrum,
+            ni: index,
+        },
         ns: single(table.number("exponent")?),
         pr: single(table.number("roughness")?),
         map_kd,

@@ -18,6 +18,8 @@ pub struct MaterialSpectra {
     pub transmission: Option<Spectrum>,
     /// Of [`Material::emission`].
     pub emission: Option<Emission>,
+    /// Of the absorption inside of a dielectric, per world unit of length.
+    pub absorption: Option<Spectrum>,
     /// Index of refraction.
     pub index: Option<Index>,
 }

@@ -20,6 +20,7 @@ mod glass;
 mod glints;
 mod harness;
 mod lobes;
+mod media;
 mod partition;
 mod scale;
 mod spectral;

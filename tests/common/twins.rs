@@ -4,7 +4,7 @@ use super::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
 use joton::plan::{Part, Reason};
 use joton::scene::texture::{Bitmap, Filter, Opacity, Space, Texels, Texture};
-use joton::scene::{FacetKind, Facets, Inner, Light, Material, MaterialSpectra, Scene};
+use joton::scene::{FacetKind, Facets, Inner, Interior, Light, Material, MaterialSpectra, Scene};
 use joton::spectrum::glass::Index;
 use std::path::Path;
 use std::sync::Arc;
@@ -64,6 +64,11 @@ fn flint() -> Material {
     let index = Index::named("SF11");
     let spectra = MaterialSpectra { index, ..MaterialSpectra::default() };
     Material { spectra: Some(Arc::new(spectra)), ..glass(1.785) }
+}
+
+/// Glass that takes the red and some of the blue on the way through it.
+fn green_glass() -> Material {
+    Material { interior: Interior { absorption: [3.0, 0.0, 1.0], ..Interior::default() }, ..glass(1.5) }
 }
 
 /// One of the scenes of the repository at `size` × `size` pixels.
@@ -348,6 +353,12 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NothingCut,
             cornell(),
             case("cornell with holes", with_holes(file("cornell", size))),
+        ),
+        twins(
+            Part::Media,
+            Reason::PlainBodies,
+            case("white plate, glass ball", plate_with_ball(white(), glass(1.5), size)),
+            case("white plate, ball of green glass", plate_with_ball(white(), green_glass(), size)),
         ),
         twins(
             Part::Dispersion,

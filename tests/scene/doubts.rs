@@ -157,3 +157,45 @@ fn glass_in_glass() {
     let hollow = cuboid("glass", [-0.75; 3], [0.75; 3], true, &[]);
     only(&with(format!("{hollow}{}", cuboid("drink", [-0.5; 3], [0.5; 3], false, &[]))), &[]);
 }
+
+/// With priorities bodies may overlap and lie in each other, but for those of one priority that overlap.
+#[test]
+fn glass_with_priorities() {
+    let solid = |m: &str, low: f64, high: f64| cuboid(m, [low; 3], [high; 3], false, &[]);
+    let floor = cuboid("wall", [-5., -3., -5.], [5., -2., 5.], false, &[]);
+    let of = |inner: String, [glass, drink]: [i64; 2]| {
+        let bodies = format!("{floor}{}{inner}", solid("glass", -1., 1.));
+        let rank =
+            |name: &str, number: i64| format!("[[material]]\nname = \"{name}\"\npriority = {number}\n");
+        about(&bodies, [0., 0., 4.], &[SUN, &rank("glass", glass), &rank("drink", drink)].concat())
+    };
+    only(&of(solid("drink", -0.5, 0.5), [1, 2]), &[]);
+    only(&of(solid("drink", -0.5, 1.5), [2, 1]), &[]);
+    only(&of(solid("drink", -0.5, 0.5), [2, 2]), &[]);
+    only(
+        &of(solid("drink", -0.5, 1.5), [2, 2]),
+        &["bodies of one priority overlap (\"drink\" and \"glass\")"],
+    );
+}
+
+/// A pane without thickness absorbs nothing, whatever is said of it.
+#[test]
+fn panes_have_no_inside() {
+    let pane = "usemtl glass\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf -4 -3 -2 -1\n";
+    let wall = cuboid("wall", [-5., -3., -5.], [5., -2., 5.], false, &[]);
+    let dark = format!("{SUN}[[material]]\nname = \"glass\"\nabsorption = 1\n");
+    only(&about(&format!("{wall}{pane}"), [0., 0., 4.], SUN), &[]);
+    only(&about(&format!("{wall}{pane}"), [0., 0., 4.], &dark), &["the thin pane \"glass\" has no inside"]);
+}
+
+/// What is beyond the last number that a body can have is told.
+#[test]
+fn bodies_have_a_number_each() {
+    let (mut obj, mut keys) = (String::new(), String::new());
+    for i in 0..257 {
+        let x = f64::from(i) * 2.0;
+        obj += &cuboid(&format!("g{i}"), [x, 0., 0.], [x + 1., 1., 1.], false, &[]);
+        keys += &format!("[[material]]\nname = \"g{i}\"\ntype = \"glass\"\nabsorption = 1\n");
+    }
+    only(&about(&obj, [0., 0., 9.], &format!("{SUN}{keys}")), &["2 materials of glass beyond the first 255"]);
+}

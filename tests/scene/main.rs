@@ -8,6 +8,7 @@ mod formats;
 mod glass;
 mod growth;
 mod materials;
+mod media;
 mod meshes;
 mod scene_file;
 mod shapes;

@@ -95,6 +95,7 @@ fn deprived(mut plan: Plan, part: Part) -> Option<Plan> {
         Part::Refraction => &mut features.dielectric,
         Part::Textures => &mut features.textures,
         Part::CutOuts => &mut features.cutouts,
+        Part::Media => &mut features.media,
         Part::Dispersion => &mut features.dispersion,
         Part::GlossyLobes => &mut features.glossy,
         Part::Microfacets => &mut features.facets,
@@ -124,7 +125,7 @@ fn leaving_out_what_is_needed_changes_the_image() {
             assert!(own != less, "{:?}, {side:?}: {}", t.part, t.with.name);
         }
     }
-    assert_eq!(done.len(), 15, "{done:?}");
+    assert_eq!(done.len(), 16, "{done:?}");
 }
 
 /// What is not skipped cannot be kept: where a scene needs a part, `--no-skip` leaves plan and image as they are.

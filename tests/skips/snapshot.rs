@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 26] = [
+const REASONS: [Reason; 27] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -49,6 +49,7 @@ const REASONS: [Reason; 26] = [
     Reason::NoDielectric,
     Reason::NoTexture,
     Reason::NothingCut,
+    Reason::PlainBodies,
     Reason::NothingDisperses,
     Reason::NoGlossySurface,
     Reason::NoMicrofacets,

@@ -173,7 +173,7 @@ fn rough(mut scene: Scene) -> Scene {
 const NARROW: [f64; 2] = [0.06, 0.3];
 
 /// Narrow the radii, caustic and diffuse.
-fn narrow(plan: &mut Plan) {
+pub fn narrow(plan: &mut Plan) {
     plan.caustic.base *= NARROW[0];
     plan.diffuse.base *= NARROW[1];
 }

@@ -11,7 +11,7 @@ use crate::backend::Tally;
 use crate::optics::lights::pick::pdf_light;
 use crate::optics::lights::samples::LightSample;
 use crate::optics::lights::{is_near, le, on_miss};
-use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
+use crate::optics::ray::{SurfaceInteraction, lift, visible};
 use crate::packed::constants::NEAR_EMITTERS_MAX;
 use crate::packed::{PackedEmitter, PackedScene};
 use crate::plan::Plan;
@@ -89,7 +89,7 @@ impl<'a> Direct<'a> {
     ) -> Bands {
         let g = self.g;
         let origin = lift(g.position, g.ng, g.triangle);
-        let given = |l: &LightSample| self.unshadowed(l);
+        let given = |l: &LightSample| self.unshadowed(l, &l.through(self.scene, g.inside, origin));
         let Some((l, light)) = brightest(self.lights, origin, candidates, choice, given, tally) else {
             return BLACK;
         };
@@ -98,7 +98,7 @@ impl<'a> Direct<'a> {
     }
 
     /// What a light sample, one of the candidates, gives if nothing shades it, with its share of the weight.
-    fn unshadowed(&self, l: &LightSample) -> Bands {
+    fn unshadowed(&self, l: &LightSample, irradiance: &Bands) -> Bands {
         let g = self.g;
         let cos_s = l.wi.dot(g.ns);
         if cos_s <= 0.0 || l.wi.dot(g.ng) <= 0.0 {
@@ -106,7 +106,7 @@ impl<'a> Direct<'a> {
         }
         let pdf = self.number as f32 * l.pdf;
         let weight = if self.shared && pdf > 0.0 { pdf / (pdf + g.bsdf.pdf_scatter(l.wi)) } else { 1.0 };
-        scale(&mul(&g.bsdf.eval_scatter(l.wi), &l.irradiance), cos_s * weight)
+        scale(&mul(&g.bsdf.eval_scatter(l.wi), irradiance), cos_s * weight)
     }
 
     /// Light that one sample of the D lobes finds, beside the candidates.
@@ -117,10 +117,13 @@ impl<'a> Direct<'a> {
             return BLACK;
         }
         tally.rays += 1;
-        let ray = Ray::new(lift(g.position, g.ng, g.triangle), wi);
+        let ray = g.ray(wi);
         let (found, pdf_light) = match SurfaceInteraction::hit(self.scene, &ray) {
-            Some(s) => (le(&s).copied().unwrap_or(BLACK), self.number as f32 * pdf_light(self.lights, &s)),
-            None => (on_miss(wi), 0.0),
+            Some(s) => {
+                let light = le(&s).map_or(BLACK, |le| s.through(le));
+                (light, self.number as f32 * pdf_light(self.lights, &s))
+            }
+            None => (ray.brings_from_afar(self.scene, &on_miss(wi)), 0.0),
         };
         if is_black(&found) {
             return BLACK;

@@ -6,10 +6,10 @@ use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_EYE_BAND, 
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
 use crate::optics::lights::{le, on_miss};
-use crate::optics::ray::{Ray, SurfaceInteraction};
+use crate::optics::ray::{Ray, SurfaceInteraction, lift};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{CLIP_GRAZING, SURE_EVENTS, SURVIVAL_MAX};
-use crate::packed::{CameraRay, PackedScene, PackedTriangle};
+use crate::packed::{CameraRay, Inside, PackedScene, PackedTriangle};
 use crate::plan::Plan;
 use crate::sampling::rng::{golden, random4, sequence_seed, sobol2};
 use crate::spectrum::{BANDS, BLACK, Bands, add, mul, scale};
@@ -31,6 +31,8 @@ pub(super) struct GatherPoint<'a> {
     pub(super) throughput: Bands,
     pub(super) bsdf: Bsdf,
     pub(super) triangle: &'a PackedTriangle,
+    /// The bodies that the point is in.
+    pub(super) inside: Inside,
     /// Specular events between the eye and the point.
     pub(super) chain: u32,
     /// Length of the path from the eye, internal units.
@@ -38,6 +40,11 @@ pub(super) struct GatherPoint<'a> {
 }
 
 impl GatherPoint<'_> {
+    /// A ray that leaves it.
+    pub(super) fn ray(&self, direction: Vec3) -> Ray {
+        Ray::new(lift(self.position, self.ng, self.triangle), direction).within(self.inside)
+    }
+
     /// Width of the pixel on the surface, where it is longest, internal units.
     pub(super) fn pixel_width(&self, scene: &PackedScene) -> f32 {
         self.length * scene.pixel_angle() / self.ng.dot(self.wo).abs().max(CLIP_GRAZING)
@@ -75,7 +82,7 @@ pub(super) fn follow<'a>(
     let settings = &plan.settings;
     let CameraRay { origin, direction, travelled: mut length } =
         camera_ray(scene, settings.seed, pixel, pass);
-    let mut ray = Ray::new(origin, direction);
+    let mut ray = Ray::new(origin, direction).within(scene.media.camera);
     // the first choices of way cover their square evenly over the passes: most of a glass ball's noise is theirs
     let choices = sobol2(pass, sequence_seed(settings.seed, pixel, STREAM_CHOICE));
     let lights = FollowedLight::new(scene, plan);
@@ -83,18 +90,21 @@ pub(super) fn follow<'a>(
     let mut path = EyePath { emission: BLACK, gather_point: None };
     for chain in 0..EVENTS_MAX {
         tally.rays += 1;
-        let sees =
-            |le: &Bands, pdf_light| scale(&mul(&throughput, le), splits.weight_of_eye(trees, pdf_light));
+        let sees = |throughput: &Bands, le: &Bands, pdf_light| {
+            scale(&mul(throughput, le), splits.weight_of_eye(trees, pdf_light))
+        };
         let is_wanted = wants_emission(plan, chain);
         let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
             if is_wanted {
-                path.emission = add(&path.emission, &sees(&on_miss(ray.direction), 0.0));
+                let light = ray.brings_from_afar(scene, &on_miss(ray.direction));
+                path.emission = add(&path.emission, &sees(&throughput, &light, 0.0));
             }
             return path;
         };
         length += s.distance;
+        throughput = s.through(&throughput);
         if let Some(le) = le(&s).filter(|_| is_wanted) {
-            path.emission = add(&path.emission, &sees(le, lights.pdf(&s)));
+            path.emission = add(&path.emission, &sees(&throughput, le, lights.pdf(&s)));
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
@@ -103,7 +113,7 @@ pub(super) fn follow<'a>(
         if shares.kept() <= 0.0 {
             return path;
         }
-        bsdf.part_bands(s.material, &throughput, || {
+        bsdf.part_bands(s.between(), &throughput, || {
             golden(pass, sequence_seed(settings.seed, pixel, STREAM_EYE_BAND))
         });
         if bsdf.has_width() && wants_emission(plan, chain + 1) {
@@ -124,6 +134,7 @@ pub(super) fn follow<'a>(
                 throughput: scale(&throughput, ways / shares.scatter),
                 bsdf,
                 triangle: s.triangle,
+                inside: s.sides.here,
                 chain,
                 length,
             });

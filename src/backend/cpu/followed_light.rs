@@ -1,6 +1,6 @@
 //! Followed light: light samples in lobes that are followed but have a width, narrow metal, coats and rough glass (E S* L). Where such a lobe
 //! is wide and the light small, a path that follows the lobe seldom meets the light; where it is the other way round a light sample seldom
-//! lies in the lobe. Each path of light is weighed by what all ways of finding it would find: eye paths, trees, light samples [E44].
+//! lies in the lobe. Each path of light is weighed by what all ways of finding it would find: eye paths, trees, light samples [E46].
 //! Twin: shaders/lights/followed.wgsl.
 
 use super::candidates::brightest;
@@ -67,7 +67,9 @@ impl<'a> FollowedLight<'a> {
     /// What a light sample gives if nothing shades it, with its share of the weight.
     fn unshadowed(&self, v: &Vertex, l: &LightSample) -> Bands {
         let Some(followed) = v.bsdf.followed_from(l.wi) else { return BLACK };
-        let given = mul(&followed.f_cos, &l.irradiance);
+        let s = v.surface;
+        let inside = s.sides.toward(l.wi.dot(s.ng) < 0.0);
+        let given = mul(&followed.f_cos, &l.through(self.scene, inside, s.position));
         if l.pdf <= 0.0 {
             // no path meets it
             return given;

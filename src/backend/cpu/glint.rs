@@ -56,7 +56,7 @@ fn tree(
     let CameraRay { origin, direction, travelled: length } =
         scene.sample_camera(pixel, number, seed, STREAM_GLINT_JITTER);
     let (seed, number) = (seed_at(seed, (number >> 32) as u32), number as u32);
-    let ray = Ray::new(origin, direction);
+    let ray = Ray::new(origin, direction).within(scene.media.camera);
     let mut waiting = [Way { ray, throughput: [1.0; BANDS], splits: Splits::start(), events: 0, length };
         WAITING_MAX as usize];
     let mut count = 1;
@@ -67,16 +67,16 @@ fn tree(
         let Way { mut ray, mut throughput, mut splits, mut events, mut length } = waiting[count];
         loop {
             tally.rays += 1;
-            let sees = |le: &Bands, lit: Option<&SurfaceInteraction>| {
-                scale(&mul(&throughput, le), weight(events, &splits, lit))
-            };
             let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
-                seen.emission = add(&seen.emission, &sees(&on_miss(ray.direction), None));
+                let light = ray.brings_from_afar(scene, &on_miss(ray.direction));
+                seen.emission = add(&seen.emission, &scale(&mul(&throughput, &light), weight(events, &splits, None)));
                 break;
             };
             length += s.distance;
+            throughput = s.through(&throughput);
             if let Some(le) = le(&s) {
-                seen.emission = add(&seen.emission, &sees(le, Some(&s)));
+                let weight = weight(events, &splits, Some(&s));
+                seen.emission = add(&seen.emission, &scale(&mul(&throughput, le), weight));
                 seen.direct = events == 0;
             }
             let mut bsdf = Bsdf::seen(scene, &s, length);
@@ -85,7 +85,7 @@ fn tree(
                 break;
             }
             seen.direct = false;
-            bsdf.part_bands(s.material, &throughput, || {
+            bsdf.part_bands(s.between(), &throughput, || {
                 golden(number, sequence_seed(seed, pixel, STREAM_GLINT_BAND))
             });
             let [u_way, u0, u1, u_survive] = random4(seed, number, pixel, DIMENSION_GLINT + node);

@@ -11,7 +11,7 @@ use crate::optics::lights::samples::Start;
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::frame::Frame;
 use crate::optics::shading::texture;
-use crate::packed::{Guide, PackedEmitter, PackedMaterial, PackedScene, Target};
+use crate::packed::{Guide, Inside, PackedEmitter, PackedMaterial, PackedScene, Target};
 use crate::plan::Plan;
 use crate::sampling::rng::sequence2;
 use crate::spectrum::{BANDS, Bands};
@@ -64,7 +64,7 @@ pub fn emit(
     } else {
         Some(pick::by_law(scene, guide, draw(STREAM_DIFFUSE_PLACE), draw(STREAM_DIFFUSE_DIRECTION), count))
     };
-    start.map(|Start { origin, direction, flux }| (origin, direction, flux))
+    start.map(|Start { origin, direction, flux, .. }| (origin, direction, flux))
 }
 
 /// A direction from `origin` into the cones of the targets and its pdf_solid_angle.
@@ -75,9 +75,7 @@ pub fn into_cones(targets: &[Target], origin: Vec3, u: [f32; 2]) -> Option<(Vec3
 
 /// Number of the emitter that `u` picks, and what is left of `u`.
 pub fn pick(emitters: &[PackedEmitter], u: f32) -> (usize, f32) {
-    let (picked, rest) = pick::pick(emitters, u);
-    let number = emitters.iter().position(|e| std::ptr::eq(e, picked));
-    (number.unwrap_or(emitters.len()), rest)
+    pick::pick(emitters, u)
 }
 
 /// Direction of the camera's ray of a pixel in a pass.
@@ -117,6 +115,7 @@ pub fn disc(
         throughput: [1.0; BANDS],
         bsdf: Bsdf::new(&scene.materials[triangle.material as usize], frame),
         triangle,
+        inside: Inside::default(),
         chain: 0,
         length: 1.0,
     };

@@ -16,7 +16,7 @@ use crate::backend::Tally;
 use crate::estimators::indirect::tile_point;
 use crate::estimators::maps::MapKind;
 use crate::film::paths::{Event, LightPaths};
-use crate::optics::ray::{Ray, SurfaceInteraction, lift};
+use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{INDIRECT_DISC, SURE_EVENTS, SURVIVAL_MAX};
 use crate::sampling::rng::{golden, random4, sequence_seed, sequence2};
@@ -83,8 +83,8 @@ pub(super) fn light(
         events += 1;
         let throughput = scale(&throughput, 1.0 / survives);
         accepted = accepted.map(|mask| before(mask, Event::D));
-        let ray = Ray::new(lift(here.position, here.ng, here.triangle), wi);
-        let Some(next) = follow(pass, ray, throughput, here.length, &mut events, draws, tally) else {
+        let Some(next) = follow(pass, here.ray(wi), throughput, here.length, &mut events, draws, tally)
+        else {
             return sum;
         };
         accepted = accepted.map(|mask| (0..next.chain).fold(mask, |mask, _| before(mask, Event::S)));
@@ -129,6 +129,7 @@ fn follow<'a>(
         tally.rays += 1;
         let s = SurfaceInteraction::hit(pass.scene, &ray)?;
         length += s.distance;
+        throughput = s.through(&throughput);
         let mut bsdf = Bsdf::at(&s);
         let shares = bsdf.shares(&throughput);
         let kept = shares.kept();
@@ -147,11 +148,12 @@ fn follow<'a>(
                 throughput: scale(&throughput, kept / shares.scatter),
                 bsdf,
                 triangle: s.triangle,
+                inside: s.sides.here,
                 chain,
                 length,
             });
         }
-        bsdf.part_bands(s.material, &throughput, || draws.band());
+        bsdf.part_bands(s.between(), &throughput, || draws.band());
         let lobe = shares.pick_delta(choice - shares.scatter);
         let direction = bsdf.sample_delta(lobe, [u0, u1])?;
         let survival = survival(*events, kept);

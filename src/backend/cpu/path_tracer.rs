@@ -147,7 +147,7 @@ impl<'a> Path<'a> {
         let scene = self.scene;
         let CameraRay { origin, direction, .. } =
             camera_ray(scene, self.plan.settings.seed, self.pixel, self.pass);
-        let mut ray = Ray::new(origin, direction);
+        let mut ray = Ray::new(origin, direction).within(scene.media.camera);
         let mut throughput = [1.0; crate::spectrum::BANDS];
         // throughput without the (η_i/η_t)² of crossings: leaving a body must not look like a gain
         let mut eta_squared = 1.0;
@@ -156,9 +156,10 @@ impl<'a> Path<'a> {
         loop {
             self.rays += 1;
             let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
-                self.found(&mul(&throughput, &on_miss(ray.direction)));
+                self.found(&mul(&throughput, &ray.brings_from_afar(scene, &on_miss(ray.direction))));
                 return;
             };
+            throughput = s.through(&throughput);
             if let Some(le) = le(&s) {
                 let weight = pdf_last.map_or(1.0, |pdf| pdf / (pdf + pdf_light(&scene.emitters, &s)));
                 self.found(&scale(&mul(&throughput, le), weight));
@@ -182,7 +183,7 @@ impl<'a> Path<'a> {
                 }
                 leaving
             } else {
-                bsdf.part_bands(s.material, &throughput, || {
+                bsdf.part_bands(s.between(), &throughput, || {
                     golden(self.pass, sequence_seed(self.plan.settings.seed, self.pixel, STREAM_PATH_BAND))
                 });
                 let lobe = shares.pick_delta(choice - shares.scatter);
@@ -227,7 +228,8 @@ impl<'a> Path<'a> {
             return;
         }
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + bsdf.pdf_scatter(l.wi)) } else { 1.0 };
-        self.found(&scale(&mul(&mul(throughput, &bsdf.eval_scatter(l.wi)), &l.irradiance), cos_s * weight));
+        let light = l.through(self.scene, s.sides.here, origin);
+        self.found(&scale(&mul(&mul(throughput, &bsdf.eval_scatter(l.wi)), &light), cos_s * weight));
     }
 
     /// A shadow ray to an emitter from a lobe that is followed, on the side of the surface that the emitter is on. `throughput` is that of
@@ -243,12 +245,14 @@ impl<'a> Path<'a> {
         let Some(l) = sample_light(&self.scene.emitters, s.position, u) else { return };
         let Some(Followed { lobe, f_cos, pdf }) = bsdf.followed_from(l.wi) else { return };
         self.rays += 1;
-        let side = s.ng * l.wi.dot(s.ng).signum();
+        let is_across = l.wi.dot(s.ng) < 0.0;
+        let side = if is_across { -s.ng } else { s.ng };
         if !visible(self.scene, lift(s.position, side, s.triangle), l.target) {
             return;
         }
         let by_lobe = pdf * shares.delta[lobe] / shares.followed();
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + by_lobe) } else { 1.0 };
-        self.found(&scale(&mul(&mul(throughput, &f_cos), &l.irradiance), weight));
+        let light = l.through(self.scene, s.sides.toward(is_across), s.position);
+        self.found(&scale(&mul(&mul(throughput, &f_cos), &light), weight));
     }
 }

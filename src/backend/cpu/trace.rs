@@ -10,7 +10,7 @@ use crate::backend::{Cause, Tally};
 use crate::film::paths::{DEAD, Event, LightPaths};
 use crate::optics::lights::pick::{aimed, by_law};
 use crate::optics::lights::samples::Start;
-use crate::optics::ray::{Ray, SurfaceInteraction};
+use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::bsdf::Bsdf;
 use crate::optics::shading::cutout;
 use crate::optics::shading::roulette::{EventProbabilities, SCATTERED};
@@ -99,7 +99,7 @@ impl Tracer<'_> {
 
     fn follow<const CAUSTIC: bool>(&mut self, i: u32, start: Start, dimension: u32) {
         let paths = &self.plan.settings.paths;
-        let (mut ray, mut flux) = (Ray::new(start.origin, start.direction), start.flux);
+        let (mut ray, mut flux) = (start.ray(), start.flux);
         let mut state = LightPaths::START;
         let (mut specular, mut diffuse) = (0u32, 0u32);
         for event in 0..EVENTS_MAX {
@@ -109,10 +109,17 @@ impl Tracer<'_> {
             self.tally.rays += 1;
             let Some(s) = SurfaceInteraction::hit(self.scene, &ray) else {
                 if !CAUSTIC {
-                    add_flux(&mut self.tally.escaped, &flux, 1.0);
+                    let escapes = ray.brings_from_afar(self.scene, &flux);
+                    add_flux(&mut self.tally.escaped, &escapes, 1.0);
+                    self.absorbed(&flux, &escapes);
                 }
                 return;
             };
+            let arrives = s.through(&flux);
+            if !CAUSTIC {
+                self.absorbed(&flux, &arrives);
+            }
+            flux = arrives;
             let wi_ng = s.back.dot(s.ng);
             let adjoint_in = if s.smooth { limited(s.back.dot(s.ns).abs() / wi_ng) } else { 1.0 };
             if s.flags().has_diffuse() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
@@ -129,7 +136,7 @@ impl Tracer<'_> {
                 let lost = probabilities.total_albedo().map(|kept| 1.0 - kept);
                 add_flux(&mut self.tally.absorbed, &mul(&lost, &flux), 1.0);
             }
-            probabilities.bsdf.part_bands(s.material, &flux, || self.band(i, CAUSTIC));
+            probabilities.bsdf.part_bands(s.between(), &flux, || self.band(i, CAUSTIC));
             let Some(way) = probabilities.choose(u_way) else { return };
             if CAUSTIC && way == SCATTERED {
                 return;
@@ -150,8 +157,7 @@ impl Tracer<'_> {
             };
             if !CAUSTIC {
                 // what the sampled direction did not carry on was absorbed: keeps the balance exact in expectation
-                add_flux(&mut self.tally.absorbed, &kept, 1.0);
-                add_flux(&mut self.tally.absorbed, &flux, -1.0);
+                self.absorbed(&kept, &flux);
             }
             let Some(w) = leaving else { return };
             if way == SCATTERED {
@@ -167,6 +173,14 @@ impl Tracer<'_> {
             ray = s.leave(w);
         }
         self.tally.truncated += 1;
+    }
+
+    /// What of `before` is no more there.
+    fn absorbed(&mut self, before: &Bands, after: &Bands) {
+        if before != after {
+            add_flux(&mut self.tally.absorbed, before, 1.0);
+            add_flux(&mut self.tally.absorbed, after, -1.0);
+        }
     }
 
     /// How many jotons this one of the diffuse map stands for; 0 where another stands for it. Where the camera does not look one

@@ -81,10 +81,11 @@ impl<'a> Harness<'a> {
         harness.scene("uvs", &scene.textures.uvs);
         harness.scene("textures", &scene.textures.records);
         harness.scene("texels", &scene.textures.texels);
+        harness.scene("media", &scene.media.words());
         Ok(harness)
     }
 
-    /// Create (or replace) a section of the scene heap: nodes, triangles, normals, materials, emitters, uvs, textures or texels.
+    /// Create (or replace) a section of the scene heap: nodes, triangles, normals, materials, emitters, uvs, textures, texels or media.
     pub fn scene<T: Pod>(&mut self, section: &'static str, content: &[T]) {
         self.heap.insert(section, bytemuck::cast_slice(content).to_vec());
         let bytes_of = |name: &str| self.heap.get(name).map_or(&[][..], |bytes: &Vec<u8>| &bytes[..]);

@@ -95,6 +95,7 @@ impl Kernel {
             small_scene,
             split_heap,
             no_facets: is_without("HAS_FACETS"),
+            no_media: is_without("HAS_MEDIA"),
             no_textures: is_without("HAS_TEXTURES") && is_without("HAS_CUTOUTS"),
             no_followed_light: is_without("HAS_FOLLOWED_LIGHT"),
         };

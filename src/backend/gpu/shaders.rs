@@ -23,6 +23,8 @@ pub struct Variant {
     pub no_textures: bool,
     /// No light sample may lie in a lobe that is followed.
     pub no_followed_light: bool,
+    /// No body's inside matters.
+    pub no_media: bool,
 }
 
 impl Variant {
@@ -39,6 +41,7 @@ impl Variant {
             "shading/texture.wgsl" => (self.no_textures, Some("shading/no_textures.wgsl")),
             "accel/cutout.wgsl" => (self.no_textures, Some("accel/no_cutouts.wgsl")),
             "lights/followed.wgsl" => (self.no_followed_light, Some("lights/no_followed_light.wgsl")),
+            "shading/media.wgsl" => (self.no_media, Some("shading/no_media.wgsl")),
             _ => (false, None),
         };
         if wanted { other } else { Some(path) }

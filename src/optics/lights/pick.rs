@@ -7,12 +7,12 @@ use crate::packed::{Guide, NO_EMITTER, PackedEmitter, PackedScene};
 use crate::spectrum::scale;
 use glam::Vec3;
 
-/// The emitter that `u` picks, and what is left of `u`, again uniform in [0, 1).
-pub(crate) fn pick(emitters: &[PackedEmitter], u: f32) -> (&PackedEmitter, f32) {
+/// The number of the emitter that `u` picks, and what is left of `u`, again uniform in [0, 1).
+pub(crate) fn pick(emitters: &[PackedEmitter], u: f32) -> (usize, f32) {
     let i = emitters.partition_point(|e| e.cumulative <= u).min(emitters.len() - 1);
     let below = if i == 0 { 0.0 } else { emitters[i - 1].cumulative };
     let rest = (u - below) / (emitters[i].cumulative - below);
-    (&emitters[i], rest.clamp(0.0, 1.0 - f32::EPSILON))
+    (i, rest.clamp(0.0, 1.0 - f32::EPSILON))
 }
 
 /// A joton's start by the law of an emitter that the guide picks, the way that it steers [E2, E20]; `count` jotons a pass.
@@ -23,9 +23,12 @@ pub(crate) fn by_law(
     towards: [f32; 2],
     count: f32,
 ) -> Start {
-    let (e, rest) = pick(guide.emitters(&scene.emitters), place[0]);
+    let emitters = guide.emitters(&scene.emitters);
+    let (number, rest) = pick(emitters, place[0]);
+    let e = &emitters[number];
     let (towards, density) = guide.steer(e, towards);
-    sample_le(e, [rest, place[1]], towards, 1.0 / (e.pick * count * density))
+    let start = sample_le(e, [rest, place[1]], towards, 1.0 / (e.pick * count * density));
+    Start { inside: scene.media.of_emitter(number), ..start }
 }
 
 /// A start aimed at the specular bodies [E13], of an emitter that the guide picks, the way that it steers. None where no flux
@@ -37,9 +40,12 @@ pub(crate) fn aimed(
     towards: [f32; 2],
     count: f32,
 ) -> Option<Start> {
-    let (e, rest) = pick(guide.emitters(&scene.emitters), place[0]);
+    let emitters = guide.emitters(&scene.emitters);
+    let (number, rest) = pick(emitters, place[0]);
+    let e = &emitters[number];
     let (towards, density) = guide.steer(e, towards);
-    sample_le_aimed(scene, e, [rest, place[1]], towards, 1.0 / (e.pick * count * density))
+    let start = sample_le_aimed(scene, e, [rest, place[1]], towards, 1.0 / (e.pick * count * density))?;
+    Some(Start { inside: scene.media.of_emitter(number), ..start })
 }
 
 /// A place on one of `emitters`, picked by their probabilities; None where it shines away from `position`, or where there
@@ -48,7 +54,8 @@ pub(crate) fn sample_light(emitters: &[PackedEmitter], position: Vec3, u: [f32; 
     if emitters.is_empty() {
         return None;
     }
-    let (e, rest) = pick(emitters, u[0]);
+    let (number, rest) = pick(emitters, u[0]);
+    let e = &emitters[number];
     let l = sample_li(e, position, [rest, u[1]])?;
     Some(LightSample { irradiance: scale(&l.irradiance, 1.0 / e.pick), pdf: l.pdf * e.pick, ..l })
 }

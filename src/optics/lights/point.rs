@@ -41,7 +41,7 @@ pub(super) fn by_law(e: &PackedEmitter, shape: Shape, towards: [f32; 2], share: 
 pub(super) fn along(e: &PackedEmitter, shape: Shape, beam: &Beam, ray: ConeRay, weight: f32) -> Start {
     let way = if beam.distance > 0.0 { from_light(e, ray.foot) } else { ray.direction };
     let flux = scale(&e.strength, shape(e, way) * weight);
-    Start { origin: beam.start(&ray), direction: ray.direction, flux }
+    Start { origin: beam.start(&ray), direction: ray.direction, flux, ..Start::default() }
 }
 
 /// As seen from `position`, as if it were the only light; none where it sends nothing there.

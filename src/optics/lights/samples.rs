@@ -1,15 +1,27 @@
 //! What lights are asked for: where a joton starts, and where a shadow ray goes.
 
-use crate::spectrum::Bands;
+use crate::optics::media::transmittance;
+use crate::optics::ray::Ray;
+use crate::packed::{FAR, Inside, PackedScene};
+use crate::spectrum::{Bands, mul};
 use glam::Vec3;
 
 /// A joton that has just left its emitter.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Start {
     pub(crate) origin: Vec3,
     pub(crate) direction: Vec3,
     /// Flux, internal W per band, divided by the number of jotons.
     pub(crate) flux: Bands,
+    /// The bodies that it starts in, once it is known which emitter it left.
+    pub(crate) inside: Inside,
+}
+
+impl Start {
+    /// Its ray.
+    pub(crate) fn ray(&self) -> Ray {
+        Ray::new(self.origin, self.direction).within(self.inside)
+    }
 }
 
 /// A place on an emitter, seen from a point.
@@ -23,4 +35,15 @@ pub(crate) struct LightSample {
     pub(crate) irradiance: Bands,
     /// pdf_solid_angle with `pick`; 0 where no BSDF sample can find the emitter.
     pub(crate) pdf: f32,
+}
+
+impl LightSample {
+    /// Its irradiance at `origin`, in these bodies, where nothing shades it: a shadow ray crosses no boundary \[E44\].
+    pub(crate) fn through(&self, scene: &PackedScene, inside: Inside, origin: Vec3) -> Bands {
+        let distance = (self.target - origin).length();
+        // what is so far has no place: a sun
+        let distance = if distance > FAR { f32::INFINITY } else { distance };
+        let left = transmittance(scene, inside, distance);
+        left.map_or(self.irradiance, |left| mul(&self.irradiance, &left))
+    }
 }

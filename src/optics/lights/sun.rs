@@ -16,7 +16,7 @@ const BEYOND: f32 = 4096.0;
 pub(super) fn by_law(e: &PackedEmitter, towards: [f32; 2], share: f32) -> Start {
     let [x, y] = disc(towards);
     let offset = to_world(Vec3::new(x * e.e2.x, y * e.e2.x, 0.0), e.e1);
-    Start { origin: e.origin + offset, direction: e.e1, flux: scale(&e.flux, share) }
+    Start { origin: e.origin + offset, direction: e.e1, flux: scale(&e.flux, share), ..Start::default() }
 }
 
 /// A start from which the beam runs into the targets; none where its probability has no digits.
@@ -36,6 +36,7 @@ pub(super) fn aimed(e: &PackedEmitter, targets: &[Target], u: [f32; 2], share: f
         origin,
         direction: e.e1,
         flux: scale(&e.strength, share / pdf_area),
+        ..Start::default()
     })
 }
 

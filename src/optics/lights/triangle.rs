@@ -26,13 +26,18 @@ pub(super) fn beam(e: &PackedEmitter, place: [f32; 2]) -> Beam {
 /// A start by its own law, `share` of its flux: even over the area, by the cosine.
 pub(super) fn by_law(e: &PackedEmitter, place: [f32; 2], towards: [f32; 2], share: f32) -> Start {
     let (origin, normal) = place_on(e, place);
-    Start { origin, direction: to_world(cosine_hemisphere(towards), normal), flux: scale(&e.flux, share) }
+    Start {
+        origin,
+        direction: to_world(cosine_hemisphere(towards), normal),
+        flux: scale(&e.flux, share),
+        ..Start::default()
+    }
 }
 
 /// A start into a direction that was drawn otherwise; `weight` in sr.
 pub(super) fn along(e: &PackedEmitter, beam: &Beam, direction: Vec3, weight: f32) -> Start {
     let sent = direction.dot(beam.axis).max(0.0) * e.area;
-    Start { origin: beam.through, direction, flux: scale(&e.strength, sent * weight) }
+    Start { origin: beam.through, direction, flux: scale(&e.strength, sent * weight), ..Start::default() }
 }
 
 /// A place as seen from `position`, as if the triangle were the only light; none where it shines away.

@@ -21,7 +21,7 @@ impl Bsdf {
     /// To who sees so wide a part of the surface at once, internal units.
     fn of_width(s: &SurfaceInteraction, width: f32) -> Self {
         match s.material.colour_texture() {
-            None => Self::new(s.material, s.frame()),
+            None => Self::new(s.between(), s.frame()),
             Some(number) => {
                 let place = s.texture;
                 let [r, g, b, _] = texture::lookup(s.textures, number, place.uv, width * place.per_unit);

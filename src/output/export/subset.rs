@@ -36,6 +36,14 @@ impl Bsdf {
                 "make it matte, a mirror or smooth glass: a [[material]] with type in the scene file";
             return refuse("its microfacets have no exact counterpart in other renderers", remedy);
         }
+        if !is_black(&material.interior.absorption) {
+            let remedy = "leave its absorption out, or give it a tint";
+            return refuse("what its inside absorbs is not written for other renderers", remedy);
+        }
+        if material.interior.priority.is_some() {
+            let remedy = "leave it out, and give each boundary an index over what is around it";
+            return refuse("its priority has no counterpart in other renderers", remedy);
+        }
         if let Some(dielectric) = material.dielectric {
             return Ok(if material.thin { Self::Pane(dielectric) } else { Self::Dielectric(dielectric) });
         }

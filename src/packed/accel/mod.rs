@@ -110,7 +110,8 @@ impl Bvh {
         self.closest_from_within(triangles, origin, direction, t_max, 0.0, |_, _, _| true)
     }
 
-    /// The same for a ray out of a body, which starts a little inside of it: back faces nearer than `t_back` do not count, nor does what
+    /// The same for a ray out of a body, which starts a little inside of it: back faces nearer than `t_back` do not count (front faces where it
+    /// is negative), nor does what
     /// does not stop it: it is asked for a triangle and the weights of its second and third vertex.
     pub(crate) fn closest_from_within<T: Face>(
         &self,
@@ -125,7 +126,7 @@ impl Bvh {
         let (from, along) = (Vec3A::from(origin), Vec3A::from(direction));
         self.wide.ray_traverse(ray(origin, direction, t_max), &mut RayHit::none(), |_, id| {
             let Some(m) = meet(from, along, &triangles[id]) else { return f32::INFINITY };
-            if m.t >= t_max || (!m.is_front && m.t <= t_back) {
+            if m.t >= t_max || m.t <= if m.is_front { -t_back } else { t_back } {
                 return f32::INFINITY;
             }
             let hit = Hit { triangle: id as u32, t: m.t, u: m.u, v: m.v };

@@ -120,11 +120,11 @@ impl Search<'_> {
     /// as long as their probabilities change little.
     fn nearest(&self, mut pass: Pass) -> Option<Pass> {
         let scene = self.scene;
-        let (emitter, rest, pick) = self.lamps[pass.lamp as usize].pick(pass.place[0]);
-        let emitter = &scene.emitters[emitter];
-        let Start { origin, direction, mut flux } =
+        let (number, rest, pick) = self.lamps[pass.lamp as usize].pick(pass.place[0]);
+        let emitter = &scene.emitters[number];
+        let Start { origin, direction, mut flux, .. } =
             sample_le_aimed(scene, emitter, [rest, pass.place[1]], pass.towards, 1.0 / pick)?;
-        let mut ray = Ray::new(origin, direction);
+        let mut ray = Ray::new(origin, direction).within(scene.media.of_emitter(number));
         let mut is_near = false;
         for event in 0..CHAIN {
             let hit = SurfaceInteraction::hit(scene, &ray);

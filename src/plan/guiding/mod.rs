@@ -213,8 +213,8 @@ fn hits(
         Some(sample_le(e, [rest, place[1]], towards, 1.0 / pick))
     };
     let (mut stored, mut hits) = (Vec::new(), Vec::new());
-    let Some(Start { origin, direction, mut flux }) = start else { return (stored, hits) };
-    let mut ray = Ray::new(origin, direction);
+    let Some(Start { origin, direction, mut flux, .. }) = start else { return (stored, hits) };
+    let mut ray = Ray::new(origin, direction).within(scene.media.of_emitter(emitter));
     let mut scattered = false;
     for event in 0..if is_caustic { CHAIN } else { EVENTS } {
         let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };

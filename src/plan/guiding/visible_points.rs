@@ -143,7 +143,7 @@ impl VisiblePoints {
 fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<VisiblePoint> {
     let CameraRay { origin, direction, travelled: mut length } =
         scene.camera.ray(sobol2(number, sequence_seed(seed, 0, STREAM_SEEN)));
-    let mut ray = Ray::new(origin, direction);
+    let mut ray = Ray::new(origin, direction).within(scene.media.camera);
     for event in 0..CHAIN {
         let s = SurfaceInteraction::hit(scene, &ray)?;
         length += s.distance;
@@ -169,6 +169,7 @@ pub(in crate::plan) fn step(
     event: u32,
     [u_way, u0, u1, u_lobe]: [f32; 4],
 ) -> Option<(bool, (Ray, Bands))> {
+    let flux = &s.through(flux);
     let probabilities = EventProbabilities::new(s, flux, event);
     let way = probabilities.choose(u_way)?;
     let leaving = probabilities.direction(way, u_lobe, [u0, u1])?;
