@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Pictures of docs/MATERIALS.md: one for each block of TOML, docs/images/materials/NAME.png.
 
-usage: scripts/materials.py [JOTON] [NAME …]    JOTON: the program, target/release/joton where none is given; of these names alone
+usage: scripts/materials.py [JOTON [NAME…]]      JOTON: the program, target/release/joton where none is given; NAME: only these, as their
+headings are called
 """
 
 import pathlib
@@ -29,7 +30,9 @@ fov_y = 27
 width = 240
 height = 240
 """
+# What the material is on: a ball has no texture coordinates.
 BALL = 'kind = "sphere", radius = 1, center = [0, 1, 0], material = { %s }'
+CUBE = 'kind = "cube", size = 1.5, rotate = [0, 30, 0], translate = [0, 0.75, 0], material = { %s }'
 STRIPE = '{{ kind = "rectangle", size = [0.35, 12], center = [{x}, 0.001, 0], material = {{ kd = [0.12, 0.12, 0.14] }} }},'
 
 

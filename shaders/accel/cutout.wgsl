@@ -15,7 +15,7 @@ fn opacity_of(m: PackedMaterial, uv: vec2<f32>) -> f32 {
     if number == 0u {
         return 1.0;
     }
-    return texture_lookup(number - 1u, uv, 0.0).a;
+    return texture_number(number - 1u, uv, 0.0);
 }
 
 // True where a ray that would meet a triangle at these weights goes through it.

@@ -84,6 +84,9 @@ fn by_brdf(
         if t.emitter != NO_EMITTER && dot(wi, front) < 0.0 {
             let e = emitter_at(t.emitter);
             found = e.strength;
+            if has_glow(e) {
+                found *= glow_on(e, vec2(hit.u, hit.v));
+            }
             pdf_light = f32(pass_info.light_candidates) * pdf_li(e, hit.t, -dot(wi, front));
         }
     }

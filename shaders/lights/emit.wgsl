@@ -53,10 +53,20 @@ fn emit(number: u32) -> Start {
         let aim = aim_at_targets(beam, v);
         // where its own cone is narrower than those of the targets, a light's own law serves better
         if aim.hits > 0u && aim.total < own_cone(e) {
-            return le_along(e, beam, ConeRay(aim.direction, aim.foot), share * aim.total / f32(aim.hits));
+            let start = le_along(e, beam, ConeRay(aim.direction, aim.foot), share * aim.total / f32(aim.hits));
+            return with_glow(start, e, vec2(pick.rest, u.y));
         }
     }
-    return sample_le(e, beam, v, share);
+    return with_glow(sample_le(e, beam, v, share), e, vec2(pick.rest, u.y));
+}
+
+// A start from where u lies on an emitter, with what a texture leaves of it.
+fn with_glow(start: Start, e: PackedEmitter, u: vec2<f32>) -> Start {
+    var glowing = start;
+    if has_glow(e) {
+        glowing.flux *= glow_at(e, u);
+    }
+    return glowing;
 }
 
 struct Aim {

@@ -3,6 +3,7 @@
 // import: scene/features.wgsl
 // import: lights/samples.wgsl
 // import: lights/cone.wgsl
+// import: lights/glow.wgsl
 // import: accel/lift.wgsl
 
 // True for an emissive triangle; where there are no other lights, nothing else is compiled.
@@ -24,7 +25,12 @@ fn off_triangle(e: PackedEmitter, beam: Beam) -> vec3<f32> {
 // By its own law: by the cosine.
 fn triangle_by_law(e: PackedEmitter, beam: Beam, v: vec2<f32>, share: f32) -> Start {
     let d = normalize(basis(beam.axis) * sample_cosine_hemisphere(v));
-    return Start(off_triangle(e, beam), d, e.flux * share);
+    var flux = e.flux;
+    if has_glow(e) {
+        // each place has a radiance of its own
+        flux = e.strength * (PI * e.area);
+    }
+    return Start(off_triangle(e, beam), d, flux * share);
 }
 
 // Into a direction that was drawn otherwise; `weight` in sr.
@@ -42,7 +48,11 @@ fn triangle_li(e: PackedEmitter, p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let wi = d * inverseSqrt(max(distance2, 1e-30));
     let cos_light = max(0.0, -dot(wi, beam.axis));
     let inverse_pdf = cos_light * e.area / (max(distance2, 1e-30) * e.pick);
-    return LightSample(wi, sqrt(distance2), end, e.strength * inverse_pdf, 1.0 / max(inverse_pdf, 1e-30));
+    var radiance = e.strength;
+    if has_glow(e) {
+        radiance *= glow_at(e, u);
+    }
+    return LightSample(wi, sqrt(distance2), end, radiance * inverse_pdf, 1.0 / max(inverse_pdf, 1e-30));
 }
 
 // pdf_solid_angle of triangle_li, with the pick, for a place at this distance that is seen under this cosine.

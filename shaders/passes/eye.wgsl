@@ -43,7 +43,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     var throughput = Bands(1.0);
     var emission = Bands(0.0);
     var path_length = camera.travelled;
-    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level, 0u, 0u, 0u);
+    var point = GatherPoint(vec3(0.0), 0u, Bands(0.0), 0.0, 0u, 0u, 0u, level, 0u, 0u, 0u, 0u);
     var events = 0u;
     var rays = 0u;
     var saved = 0u;
@@ -98,7 +98,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 s.position + b.geometric * s.lift, gather_surface(s.material, events, b.from_front),
                 throughput * (kept / stop), path_length,
                 encode_direction(b.geometric), encode_direction(b.shading), encode_direction(-direction), level,
-                albedo.x, albedo.y, b.before,
+                albedo.x, albedo.y, b.before, kept_facets(b.material),
             );
             break;
         }

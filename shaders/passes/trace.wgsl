@@ -144,11 +144,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         } else {
             next = sample_at(b, lobe, random.yz);
         }
+        let off_relief = !CAUSTIC && is_off_relief(b, lobe);
+        if off_relief {
+            next = sample_off_relief(b, random.yz);
+        }
         // what the sampled direction carries of it: the rest is absorbed, so that the balance is exact in expectation
         var carried = next.weight;
         if HAS_SMOOTH && s.is_smooth {
             let out = abs(dot(next.direction, b.geometric)) / max(1e-6, abs(dot(next.direction, b.shading)));
-            carried *= min(ADJOINT_MAX, adjoint_in * out);
+            carried *= min(ADJOINT_MAX, select(adjoint_in * out, adjoint_in, off_relief));
         }
         lane.direction = next.direction;
         lane.status |= select(LANE_MET_DIFFUSE, LANE_MET_SPECULAR, is_delta(lobe));

@@ -6,6 +6,12 @@ override HAS_DIELECTRIC: bool = true;
 override HAS_GLOSSY: bool = true;
 // Some surface has a texture.
 override HAS_TEXTURES: bool = true;
+// Some surface has microfacets that vary.
+override HAS_FACET_TEXTURES: bool = true;
+// Some surface has a picture of normals or heights.
+override HAS_RELIEF: bool = true;
+// Some surface shines by a texture.
+override HAS_GLOW: bool = true;
 // Some of some surface is not there.
 override HAS_CUTOUTS: bool = true;
 // The inside of some body matters: what it absorbs, or its priority.

@@ -1,6 +1,7 @@
 // The BSDF at a hit: kernels that follow rays ask it. Gather points ask lobes.wgsl. Twin: src/optics/shading/bsdf.rs.
 // import: shading/surface.wgsl
 // import: shading/material.wgsl
+// import: shading/relief.wgsl
 // import: shading/lobes.wgsl
 // import: shading/media.wgsl
 
@@ -25,7 +26,10 @@ fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32, inside: u32) -> Bsdf {
     var m = resolved_material(s.material, s.texture.uv, width * s.texture.per_unit);
     let from_front = dot(direction, s.front) < 0.0;
     let geometric = s.front * select(-1.0, 1.0, from_front);
-    let shading = facing_normal(s, direction, geometric);
+    var shading = facing_normal(s, direction, geometric);
+    if has_relief(m) {
+        shading = relief_normal(m, s, direction, width * s.texture.per_unit);
+    }
     let before = inside_before(inside, m, from_front);
     let beyond = inside_beyond(before, m, from_front);
     m = boundary_between(m, from_front, before, beyond);
@@ -82,6 +86,21 @@ fn albedo_at(b: Bsdf, lobe: u32) -> Bands {
 
 fn sample_at(b: Bsdf, lobe: u32, u: vec2<f32>) -> LobeSample {
     return sample_lobe(b.material, lobe, b.direction, b.geometric, b.shading, b.from_front, u);
+}
+
+// True where a joton leaves by sample_off_relief.
+fn is_off_relief(b: Bsdf, lobe: u32) -> bool {
+    return has_relief(b.material) && lobe == LOBE_DIFFUSE;
+}
+
+// A joton leaves what is diffuse about the geometric normal, since eyes see it from all sides: the adjoint is in the weight [E48].
+fn sample_off_relief(b: Bsdf, u: vec2<f32>) -> LobeSample {
+    let d = lambert_sample(b.geometric, u);
+    var weight = 1.0;
+    if is_coated(b.material) {
+        weight = undercoat_weight(b.material, dot(d, turned_toward(b.shading, d)));
+    }
+    return weighed(d, weight, 1.0);
 }
 
 // Of a delta lobe: nothing else is compiled.

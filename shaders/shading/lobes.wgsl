@@ -23,9 +23,9 @@ fn is_delta(lobe: u32) -> bool {
     return lobe >= LOBE_MIRROR;
 }
 
-// True where some lobe scatters: a gather point, a place for jotons.
+// True where some lobe may scatter: a place for jotons. Where roughness varies, all of the surface is.
 fn does_scatter(m: PackedMaterial) -> bool {
-    return (m.flag_bits & (DIFFUSE | GLOSSY)) != 0u;
+    return (m.flag_bits & STORES) != 0u;
 }
 
 // True where the BRDF depends on directions.

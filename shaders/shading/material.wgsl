@@ -2,10 +2,13 @@
 // import: scene/features.wgsl
 // import: scene/scene.wgsl
 // import: shading/texture.wgsl
+// import: shading/facet_textures.wgsl
 // reads  scene, pass_info
 
 // Low bits of a material's `textures`: the texture of its diffuse reflectance.
 const COLOUR_TEXTURE: u32 = 0xffffu;
+// Bits of a material's `relief_texture` below the texture of what it emits.
+const EMISSION_SHIFT: u32 = 16u;
 
 fn is_textured(m: PackedMaterial) -> bool {
     return HAS_TEXTURES && (m.textures & COLOUR_TEXTURE) != 0u;
@@ -25,6 +28,12 @@ fn resolved_material(index: u32, uv: vec2<f32>, width: f32) -> PackedMaterial {
     if is_textured(m) {
         m.diffuse *= texel_bands(texture_lookup((m.textures & COLOUR_TEXTURE) - 1u, uv, width));
     }
+    if HAS_GLOW && (m.relief_texture >> EMISSION_SHIFT) != 0u {
+        m.emission *= texel_bands(texture_lookup((m.relief_texture >> EMISSION_SHIFT) - 1u, uv, width));
+    }
+    if is_varied(m) {
+        m = varied_material(m, uv, width);
+    }
     return m;
 }
 
@@ -33,8 +42,13 @@ fn kept_albedo(m: PackedMaterial) -> vec2<u32> {
     if !is_textured(m) {
         return vec2(0u);
     }
-    let four = four_of_bands(m.diffuse);
+    let four = four_of_bands(unmixed_colour(m));
     return vec2(pack2x16float(four.xy), pack2x16float(four.zw));
+}
+
+// What of its microfacets a gather point keeps.
+fn kept_facets(m: PackedMaterial) -> u32 {
+    return select(0u, packed_facets(m.alpha, m.metallic), is_varied(m));
 }
 
 // Of the surface that a gather point lies on.
@@ -42,6 +56,9 @@ fn material_of_point(point: GatherPoint) -> PackedMaterial {
     var m = material_at(point.surface & MATERIAL_MASK);
     if is_textured(m) {
         m.diffuse = bands_of_four(vec4(unpack2x16float(point.albedo_low), unpack2x16float(point.albedo_high)));
+    }
+    if is_varied(m) {
+        m = with_facets(m, point.facets);
     }
     return m;
 }

@@ -4,12 +4,18 @@
 struct TexturePlace {
     uv: vec2<f32>,
     per_unit: f32,
+    gradient_u: vec3<f32>,
+    gradient_v: vec3<f32>,
 }
 
 fn texture_place(triangle: u32, t: PackedTriangle, b: vec2<f32>) -> TexturePlace {
-    return TexturePlace(vec2(0.0), 0.0);
+    return TexturePlace(vec2(0.0), 0.0, vec3(0.0), vec3(0.0));
 }
 
 fn texture_lookup(number: u32, uv: vec2<f32>, width: f32) -> vec4<f32> {
     return vec4(1.0);
+}
+
+fn texture_number(number: u32, uv: vec2<f32>, width: f32) -> f32 {
+    return 1.0;
 }

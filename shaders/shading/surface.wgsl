@@ -25,7 +25,7 @@ fn surface_at(hit: Hit) -> Surface {
     let t = triangle_at(hit.triangle);
     let front = normalize(cross(t.e1, t.e2));
     let lift = lift_of(front, abs(t.v0) + abs(t.e1) + abs(t.e2));
-    let nowhere = TexturePlace(vec2(0.0), 0.0);
+    let nowhere = TexturePlace(vec2(0.0), 0.0, vec3(0.0), vec3(0.0));
     var s = Surface(t.v0 + hit.u * t.e1 + hit.v * t.e2, t.material, front, false, front, t.emitter, lift, nowhere, false);
     s.is_nested = HAS_MEDIA && (t.flags & NESTED) != 0u;
     if (HAS_TEXTURES && (t.flags & TEXTURED) != 0u) || (HAS_CUTOUTS && (t.flags & CUT) != 0u) {

@@ -1,11 +1,15 @@
 // Textures: what a picture shows at a place of a surface [E37]. Twin: src/optics/shading/texture.rs.
 // import: scene/scene.wgsl
+// import: scene/features.wgsl
 // reads  heap, scene_info
 
 // Texture coordinates of a place on a triangle, and how many units of them a unit of length is, in the mean over directions.
 struct TexturePlace {
     uv: vec2<f32>,
     per_unit: f32,
+    // How each of them grows along the surface, per unit of length.
+    gradient_u: vec3<f32>,
+    gradient_v: vec3<f32>,
 }
 
 fn texture_place(triangle: u32, t: PackedTriangle, b: vec2<f32>) -> TexturePlace {
@@ -14,8 +18,18 @@ fn texture_place(triangle: u32, t: PackedTriangle, b: vec2<f32>) -> TexturePlace
     let third = bitcast<vec4<f32>>(heap_word(at + 1u)).xy;
     let d1 = first.zw - first.xy;
     let d2 = third - first.xy;
-    let area = length(cross(t.e1, t.e2));
-    return TexturePlace(first.xy + b.x * d1 + b.y * d2, sqrt(abs(d1.x * d2.y - d1.y * d2.x) / max(area, 1e-30)));
+    let across = cross(t.e1, t.e2);
+    let area = length(across);
+    let per_unit = sqrt(abs(d1.x * d2.y - d1.y * d2.x) / max(area, 1e-30));
+    var place = TexturePlace(first.xy + b.x * d1 + b.y * d2, per_unit, vec3(0.0), vec3(0.0));
+    if HAS_RELIEF {
+        let unit = across / max(area, 1e-30);
+        let along1 = cross(t.e2, unit) / max(area, 1e-30);
+        let along2 = cross(unit, t.e1) / max(area, 1e-30);
+        place.gradient_u = d1.x * along1 + d2.x * along2;
+        place.gradient_v = d1.y * along1 + d2.y * along2;
+    }
+    return place;
 }
 
 // A number in proportion to light, of one that is encoded by the curve of sRGB.
@@ -95,5 +109,11 @@ fn texture_lookup(number: u32, uv: vec2<f32>, width: f32) -> vec4<f32> {
     if level > f32(finer) {
         found = mix(found, level_at(t, finer + 1u, place), level - f32(finer));
     }
-    return vec4(found.rgb, found.a * t.opacity);
+    return found;
+}
+
+// The one number that texture `number`, from 0, is asked for: a factor on one of the four.
+fn texture_number(number: u32, uv: vec2<f32>, width: f32) -> f32 {
+    let t = texture_at(number);
+    return texture_lookup(number, uv, width)[t.channel] * t.factor;
 }

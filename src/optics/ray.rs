@@ -3,6 +3,7 @@
 use crate::optics::media::{Sides, transmittance};
 use crate::optics::shading::cutout::stops;
 use crate::optics::shading::frame::Frame;
+use crate::optics::shading::relief::{self, Plain};
 use crate::optics::shading::texture::TexturePlace;
 use crate::packed::accel::Hit;
 use crate::packed::constants::{LIFT, LIFT_LEAST};
@@ -57,6 +58,8 @@ pub(crate) struct SurfaceInteraction<'a> {
     pub(crate) ns: Vec3,
     /// The ray came from the side where the vertices run counter-clockwise.
     pub(crate) front: bool,
+    /// The normals of its front, before a relief.
+    pub(crate) plain: Plain,
     /// `ns` may differ from `ng`.
     pub(crate) smooth: bool,
     pub(crate) triangle: &'a PackedTriangle,
@@ -84,21 +87,26 @@ impl<'a> SurfaceInteraction<'a> {
         let front = ray.direction.dot(front_normal) < 0.0;
         let ng = if front { front_normal } else { -front_normal };
         let smooth = triangle.flags & SMOOTH != 0;
-        let ns = if smooth {
-            let [a, b, c] = scene.shading_normals[hit.triangle as usize];
-            let n = (a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v).normalize_or(ng);
-            let n = if n.dot(ng) < 0.0 { -n } else { n };
-            // where the two disagree about the side that is seen, the geometric one holds
-            if n.dot(ray.direction) < 0.0 { n } else { ng }
-        } else {
-            ng
-        };
         let texture = if triangle.flags & (TEXTURED | CUT) != 0 {
             TexturePlace::on(triangle, &scene.textures.uvs[hit.triangle as usize], hit.u, hit.v)
         } else {
             TexturePlace::default()
         };
-        let material = &scene.materials[triangle.material as usize];
+        let (material, back) = (&scene.materials[triangle.material as usize], -ray.direction);
+        let mut plain = Plain { front: front_normal, ns: front_normal };
+        let mut ns = if smooth {
+            let [a, b, c] = scene.shading_normals[hit.triangle as usize];
+            let n = (a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v).normalize_or(ng);
+            let n = if n.dot(ng) < 0.0 { -n } else { n };
+            plain.ns = if front { n } else { -n };
+            // where the two disagree about the side that is seen, the geometric one holds
+            if n.dot(ray.direction) < 0.0 { n } else { ng }
+        } else {
+            ng
+        };
+        if let Some(n) = relief::seen(&scene.textures, material, &texture, plain, back, 0.0) {
+            ns = n;
+        }
         let sides = if scene.media.is_empty() {
             Sides::default()
         } else {
@@ -106,10 +114,11 @@ impl<'a> SurfaceInteraction<'a> {
         };
         Some(Self {
             position: triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v,
-            back: -ray.direction,
+            back,
             distance: hit.t,
             ng,
             ns,
+            plain,
             front,
             smooth,
             triangle,
@@ -163,6 +172,14 @@ impl<'a> SurfaceInteraction<'a> {
     /// The directions that lobes depend on.
     pub(crate) fn frame(&self) -> Frame {
         Frame { back: self.back, ng: self.ng, ns: self.ns, front: self.front }
+    }
+
+    /// The same to who sees so wide a part of the surface at once, internal units.
+    pub(crate) fn frame_seen(&self, width: f32) -> Frame {
+        let of_texture = width * self.texture.per_unit;
+        let seen =
+            relief::seen(self.textures, self.material, &self.texture, self.plain, self.back, of_texture);
+        Frame { ns: seen.unwrap_or(self.ns), ..self.frame() }
     }
 }
 

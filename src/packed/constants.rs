@@ -126,6 +126,14 @@ shared_constants! {
     pub const LIFT_LEAST: f32 = 1.0 / (1 << 20) as f32;
     /// Each of the two ways at a rough interface has at least this part: facets may send light where a flat one sends none.
     pub const ROUGH_SHARE_MIN: f32 = 0.05;
+    /// Microfacets of an α up to this are followed as mirrors are: such a lobe is as wide as Phong's of exponent 300, α² = 2/(e + 2).
+    pub const FOLLOWED_ALPHA: f32 = 0.081_4;
+    /// Microfacets of a smaller α are a smooth surface.
+    pub const SMOOTH_ALPHA: f32 = 1e-4;
+    /// A normal of a relief that faces away from who sees it is turned to this cosine; it leaves the surface by no less.
+    pub const RELIEF_COS_LEAST: f32 = 0.02;
+    /// A picture of heights that comes this often in a unit of length, or less, has no width to measure them by.
+    pub const RELIEF_SPAN_LEAST: f32 = 1e-12;
     /// All surfaces lie nearer than this to the internal origin, internal units.
     pub const SCENE_RADIUS: f32 = 1024.0;
     /// Discs of the caustic map at the later surfaces of a path are this part of the largest.

@@ -1,10 +1,11 @@
 //! Emitters: emissive triangles, points, spots and suns in one list, picked with probability proportional to flux.
 
-use super::surfaces::{NO_EMITTER, PackedTriangle};
+use super::surfaces::{NO_EMITTER, PackedMaterial, PackedTriangle};
+use super::textures::PackedUvs;
 use crate::packed::constants::SCENE_RADIUS;
 use crate::packed::gpu_struct::gpu_struct;
 use crate::scene::{Light, Scene};
-use crate::spectrum::{BANDS, Bands, is_black, scale, sum};
+use crate::spectrum::{BANDS, Bands, from_rgb, is_black, mul, scale, sum};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -37,7 +38,7 @@ impl EmitterKind {
 }
 
 gpu_struct! {
-    /// An emitter, 80 bytes.
+    /// An emitter, 96 bytes.
     pub struct PackedEmitter {
         /// First vertex, position, or centre of the sun's disc.
         pub origin: Vec3,
@@ -61,8 +62,12 @@ gpu_struct! {
         pub flux: Bands,
         /// Number of the warp that steers its jotons, from 1; 0 where none does.
         pub warp: u32,
+        /// Number of its triangle, where a texture is a factor on its radiance …
+        pub triangle: u32,
+        /// … and that of the texture, from 1; 0 where there is none.
+        pub texture: u32,
     }
-    words 12 + 2 * BANDS + 2
+    words 12 + 2 * BANDS + 4
 }
 
 impl PackedEmitter {
@@ -237,21 +242,34 @@ fn cone(
 pub(super) fn pack(
     scene: &Scene,
     triangles: &mut [PackedTriangle],
+    (materials, uvs): (&[PackedMaterial], &[PackedUvs]),
     world_scale: f64,
     to_internal: impl Fn(DVec3) -> DVec3,
     bounds: [Vec3; 2],
 ) -> (Vec<PackedEmitter>, Vec<Source>) {
     let mut emitters: Vec<PackedEmitter> = Vec::new();
     let mut sources: Vec<Source> = Vec::new();
-    for t in triangles.iter_mut() {
-        let emission = scene.materials[t.material as usize].emission;
+    for (i, t) in triangles.iter_mut().enumerate() {
+        let material = &scene.materials[t.material as usize];
+        let emission = material.emission;
         let area = t.area();
-        if is_black(&emission) || area <= 0.0 {
+        let shown = material.emission_texture.as_ref().map(|texture| {
+            let [a, b, c, d, e, f, ..] = uvs[i];
+            from_rgb(texture.mean_over([[a, b], [c, d], [e, f]]))
+        });
+        let radiance = shown.map_or(emission, |shown| mul(&emission, &shown));
+        if is_black(&radiance) || area <= 0.0 {
             t.emitter = NO_EMITTER;
             continue;
         }
         t.emitter = emitters.len() as u32;
-        emitters.push(emitter(EmitterKind::Triangle, t.v0, t.e1, t.e2, area, emission, PI * f64::from(area)));
+        let mut e = emitter(EmitterKind::Triangle, t.v0, t.e1, t.e2, area, emission, PI * f64::from(area));
+        if shown.is_some() {
+            (e.triangle, e.texture) =
+                (i as u32, materials[t.material as usize].emission_texture().unwrap_or(0));
+            e.flux = radiance.map(|le| (f64::from(le) * PI * f64::from(area)) as f32);
+        }
+        emitters.push(e);
         sources.push(Source { emission: t.material, scale: 1.0 });
     }
     let scene_radius = f64::from(0.5 * (bounds[1] - bounds[0]).length() * SUN_MARGIN);
@@ -310,6 +328,8 @@ fn emitter(
         pick: 0.0,
         flux,
         warp: 0,
+        triangle: 0,
+        texture: 0,
         pad: Default::default(),
     }
 }

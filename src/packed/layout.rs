@@ -134,8 +134,10 @@ gpu_struct! {
         pub albedo_high: u32,
         /// The bodies that it is in: [`crate::packed::Inside`].
         pub inside: u32,
+        /// α of its microfacets and how much of it is metal where these vary, half floats.
+        pub facets: u32,
     }
-    words 4 + BANDS + 8
+    words 4 + BANDS + 9
 }
 
 gpu_struct! {

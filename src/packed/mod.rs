@@ -23,6 +23,7 @@ mod guide;
 pub mod heap;
 #[doc(hidden)]
 pub mod layout;
+mod material_flags;
 mod media;
 mod spectra;
 mod surfaces;
@@ -39,11 +40,12 @@ pub use doubts::doubts;
 pub use emitters::{EmitterKind, FAR, PackedEmitter};
 pub use guide::{Guide, MAX_WARPS, WARP_BINS, WARP_WORDS, Warp};
 pub use heap::{HEAP_WORD, HeapCounts, HeapLayout, PackedNormals, SceneInfo};
+pub use material_flags::MaterialFlags;
 pub use media::{BODIES_MOST, Body, Inside, Media, NESTED_MOST};
 pub use spectra::{PassBands, Spectra};
 pub use surfaces::{
-    BODY_SHIFT, CLEAR, CUT, LAMP, MaterialFlags, NESTED, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH,
-    TEXTURED, first_corner,
+    BODY_SHIFT, CLEAR, CUT, LAMP, NESTED, NO_EMITTER, PackedMaterial, PackedTriangle, SMOOTH, TEXTURED,
+    first_corner,
 };
 pub(crate) use surfaces::{SAME_INDEX, rank, without_copies};
 pub use targets::{MAX_TARGETS, Target};
@@ -184,10 +186,16 @@ impl PackedScene {
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &turned, &order);
         media.mark(&mut triangles, &materials);
         let first = |i: u32| first_corner(vertices[i as usize]);
-        let textures = Textures::pack(scene, &mut materials, &turned, &order, first);
+        let textures = Textures::pack(scene, &mut materials, &turned, &order, world_scale, first);
         let internal_bounds = [to_internal(lo), to_internal(hi)];
-        let (emitters, sources) =
-            emitters::pack(scene, &mut triangles, world_scale, internal, internal_bounds);
+        let (emitters, sources) = emitters::pack(
+            scene,
+            &mut triangles,
+            (&materials, &textures.uvs),
+            world_scale,
+            internal,
+            internal_bounds,
+        );
         let total_flux = std::array::from_fn(|b| emitters.iter().map(|e| f64::from(e.flux[b])).sum::<f64>());
         let diffuse_area = triangles
             .iter()

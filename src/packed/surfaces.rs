@@ -2,8 +2,11 @@
 
 use super::winding::corner;
 use crate::packed::accel::Face;
+use crate::packed::constants::{FOLLOWED_ALPHA, SMOOTH_ALPHA};
 use crate::packed::gpu_struct::gpu_struct;
-use crate::scene::{FacetKind, Facets, Inner, Material, Scene};
+use crate::packed::material_flags::MaterialFlags;
+use crate::scene::texture::ReliefKind;
+use crate::scene::{FacetKind, Facets, Inner, Material, Scene, Triangle};
 use crate::spectrum::{BANDS, BLACK, Bands, is_black};
 use glam::Vec3;
 use rustc_hash::{FxBuildHasher, FxHashMap};
@@ -93,100 +96,14 @@ impl Face for PackedTriangle {
 /// Glossy lobes sharper than this Phong exponent are followed as mirrors are, never looked up in a map: none is dense enough.
 /// Lights without area are never met so; shadow rays find them in such a lobe as in every other [E6].
 const FOLLOWED_EXPONENT: f32 = 300.0;
-/// The same for microfacets: lobes of this α are as wide as one of that exponent, α² = 2/(e + 2).
-const FOLLOWED_ALPHA: f32 = 0.081_4;
-/// Microfacets of a smaller α are a smooth surface.
-const SMOOTH_ALPHA: f32 = 1e-4;
 /// Indices that differ by less are the same.
 pub(crate) const SAME_INDEX: f32 = 1e-4;
 
 /// Bits of [`PackedMaterial::flag_bits`] below the number of its body.
 pub const BODY_SHIFT: u32 = 24;
 
-/// What a material can do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MaterialFlags(u32);
-
-impl MaterialFlags {
-    pub(crate) const DIFFUSE: u32 = 1;
-    pub(crate) const GLOSSY: u32 = 2;
-    pub(crate) const SPECULAR: u32 = 4;
-    pub(crate) const DIELECTRIC: u32 = 8;
-    pub(crate) const EMISSIVE: u32 = 16;
-    pub(crate) const THIN: u32 = 32;
-    pub(crate) const DISPERSIVE: u32 = 64;
-    pub(crate) const FACETS: u32 = 128;
-    pub(crate) const CONDUCTOR: u32 = 256;
-    pub(crate) const SCHLICK: u32 = 512;
-    pub(crate) const COATED: u32 = 1024;
-
-    /// Name and value of each bit, as the kernels know it.
-    pub(super) const NAMED: [(&str, u32); 11] = [
-        ("DIFFUSE", Self::DIFFUSE),
-        ("GLOSSY", Self::GLOSSY),
-        ("SPECULAR", Self::SPECULAR),
-        ("DIELECTRIC", Self::DIELECTRIC),
-        ("EMISSIVE", Self::EMISSIVE),
-        ("THIN", Self::THIN),
-        ("DISPERSIVE", Self::DISPERSIVE),
-        ("FACETS", Self::FACETS),
-        ("CONDUCTOR", Self::CONDUCTOR),
-        ("SCHLICK", Self::SCHLICK),
-        ("COATED", Self::COATED),
-    ];
-
-    /// Light can be scattered into all directions here: a gather point, a place for jotons.
-    pub fn has_diffuse(self) -> bool {
-        self.0 & (Self::DIFFUSE | Self::GLOSSY) != 0
-    }
-    /// There is a Lambert lobe.
-    pub fn has_lambert(self) -> bool {
-        self.0 & Self::DIFFUSE != 0
-    }
-    /// There is a glossy lobe.
-    pub fn has_glossy(self) -> bool {
-        self.0 & Self::GLOSSY != 0
-    }
-    /// A mirror or a dielectric: light can leave in a single direction.
-    pub fn has_delta(self) -> bool {
-        self.0 & (Self::SPECULAR | Self::DIELECTRIC) != 0
-    }
-    /// Light can pass through.
-    pub fn is_dielectric(self) -> bool {
-        self.0 & Self::DIELECTRIC != 0
-    }
-    /// A dielectric with both of its faces in one place: what passes is not bent \[E26\].
-    pub fn is_thin(self) -> bool {
-        self.0 & Self::THIN != 0
-    }
-    /// The index differs between the bands \[E36\].
-    pub fn is_dispersive(self) -> bool {
-        self.0 & Self::DISPERSIVE != 0
-    }
-    /// What reflects, or the interface, is of microfacets, smooth or rough: it reflects by Fresnel \[E40\].
-    pub fn has_facets(self) -> bool {
-        self.0 & Self::FACETS != 0
-    }
-    /// The microfacets are of metal.
-    pub(crate) fn is_conductor(self) -> bool {
-        self.0 & Self::CONDUCTOR != 0
-    }
-    /// The microfacets reflect by Schlick's formula.
-    pub(crate) fn is_schlick(self) -> bool {
-        self.0 & Self::SCHLICK != 0
-    }
-    /// The diffuse lobe lies under a coat \[E42\].
-    pub(crate) fn is_coated(self) -> bool {
-        self.0 & Self::COATED != 0
-    }
-    /// The front emits.
-    pub fn is_emissive(self) -> bool {
-        self.0 & Self::EMISSIVE != 0
-    }
-}
-
 gpu_struct! {
-    /// A material, 112 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances. Of microfacets
+    /// A material, 128 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances. Of microfacets
     /// `glossy` and `specular` are what Schlick's formula has head on, or the tint of what reflects by indices of refraction \[E40\].
     pub struct PackedMaterial {
         /// Lambertian reflectance; under a coat what leaves it over what enters it \[E42\].
@@ -217,8 +134,16 @@ gpu_struct! {
         pub extinction: Bands,
         /// Part of even light that a coat lets through.
         pub coat_transmittance: f32,
+        /// Numbers of its textures, as in `textures`: of roughness in the low 16 bits, of the metallic part above.
+        pub facet_textures: u32,
+        /// Part that is metal, where that part's colour is settled at each place.
+        pub metallic: f32,
+        /// Numbers of its textures, as in `textures`: of its relief in the low 16 bits, of `emission` above.
+        pub relief_texture: u32,
+        /// Factor on slopes of normals, or height of white, internal units or widths of the picture.
+        pub relief: f32,
     }
-    words 7 * BANDS + 7
+    words 7 * BANDS + 11
 }
 
 impl PackedMaterial {
@@ -229,7 +154,9 @@ impl PackedMaterial {
         let opaque = m.dielectric.is_none();
         set(!opaque, MaterialFlags::DIELECTRIC);
         set(!opaque && m.thin, MaterialFlags::THIN);
-        let alpha = m.facets.map_or(0.0, |f| if f.alpha < SMOOTH_ALPHA { 0.0 } else { f.alpha.min(1.0) });
+        let smooth = |alpha: f32| if alpha < SMOOTH_ALPHA { 0.0 } else { alpha.min(1.0) };
+        let alpha = m.facets.map_or(0.0, |f| smooth(f.alpha));
+        let least_alpha = m.roughness.as_ref().map_or(alpha, |map| smooth(map.range()[0].powi(2)));
         let kind = m.facets.map(|f| f.kind).filter(|_| opaque);
         // a smooth interface needs no microfacets, and nothing bends in a pane or where the index stays
         let is_interface =
@@ -237,11 +164,19 @@ impl PackedMaterial {
                 && !m.thin;
         set(kind.is_some() || (is_interface && alpha > 0.0), MaterialFlags::FACETS);
         // beside a mirror there is no room for a second lobe that is followed
-        let is_narrow =
-            if kind.is_some() { alpha <= FOLLOWED_ALPHA } else { m.glossy_exponent > FOLLOWED_EXPONENT };
-        let followed = is_narrow && is_black(&m.specular);
-        let (glossy, specular) = if followed { (BLACK, m.glossy) } else { (m.glossy, m.specular) };
-        set(opaque && !is_black(&m.diffuse), MaterialFlags::DIFFUSE);
+        let narrow = |alpha: f32| {
+            if kind.is_some() { alpha <= FOLLOWED_ALPHA } else { m.glossy_exponent > FOLLOWED_EXPONENT }
+        };
+        let followed = narrow(least_alpha) && is_black(&m.specular);
+        let (glossy, specular) = match followed {
+            // at some places it is, at others not
+            true if !narrow(alpha) => (m.glossy, m.glossy),
+            true => (BLACK, m.glossy),
+            false => (m.glossy, m.specular),
+        };
+        let is_all_metal = m.metallic.as_ref().is_some_and(|metal| metal.map.is_none() && metal.most >= 1.0);
+        let has_base = !is_black(&m.diffuse) && !is_all_metal;
+        set(opaque && has_base, MaterialFlags::DIFFUSE);
         set(opaque && !is_black(&glossy), MaterialFlags::GLOSSY);
         set(opaque && !is_black(&specular), MaterialFlags::SPECULAR);
         set(!is_black(&m.emission), MaterialFlags::EMISSIVE);
@@ -252,7 +187,15 @@ impl PackedMaterial {
         let coat = kind.and_then(FacetKind::coat);
         set(metal.is_some(), MaterialFlags::CONDUCTOR);
         set(matches!(kind, Some(FacetKind::Schlick { .. })), MaterialFlags::SCHLICK);
-        set(coat.is_some_and(|ior| ior > 1.0) && !is_black(&m.diffuse), MaterialFlags::COATED);
+        set(coat.is_some_and(|ior| ior > 1.0) && has_base, MaterialFlags::COATED);
+        set(opaque && (has_base || !is_black(&glossy)), MaterialFlags::STORES);
+        set(m.facets.is_some() && (m.roughness.is_some() || m.metallic.is_some()), MaterialFlags::VARIED);
+        set(m.metallic.is_some(), MaterialFlags::MIXED);
+        let relief = m.relief.as_ref().map(|relief| relief.kind);
+        set(matches!(relief, Some(ReliefKind::Normals { .. })), MaterialFlags::NORMAL_MAP);
+        set(matches!(relief, Some(ReliefKind::Heights { .. })), MaterialFlags::HEIGHT_MAP);
+        let is_relative = matches!(relief, Some(ReliefKind::Heights { is_relative: true, .. }));
+        set(is_relative, MaterialFlags::RELATIVE_HEIGHT);
         let d = m.dielectric;
         let ior = d.map(|d| d.ior).or(coat).unwrap_or(1.0);
         let is_phong = followed && m.facets.is_none() && !is_black(&m.glossy);
@@ -271,6 +214,10 @@ impl PackedMaterial {
             alpha,
             extinction: metal.map_or(BLACK, |(_, k)| k),
             coat_transmittance: kind.map_or(1.0, |kind| coat_transmittance(kind) as f32),
+            facet_textures: 0,
+            metallic: m.metallic.as_ref().map_or(0.0, |metal| metal.most),
+            relief_texture: 0,
+            relief: 0.0,
             pad: Default::default(),
         };
         packed.diffuse = packed.under_coat(m.facets, packed.diffuse);
@@ -319,15 +266,37 @@ impl PackedMaterial {
         Some(self.textures >> 16).filter(|number| *number > 0)
     }
 
-    /// True for a lobe of finite width that is followed as a mirror is.
+    /// Texture of the roughness, counted from 1.
+    pub(crate) fn roughness_texture(&self) -> Option<u32> {
+        Some(self.facet_textures & 0xffff).filter(|number| *number > 0)
+    }
+
+    /// Texture of the metallic part, counted from 1.
+    pub(crate) fn metallic_texture(&self) -> Option<u32> {
+        Some(self.facet_textures >> 16).filter(|number| *number > 0)
+    }
+
+    /// Texture of its relief, counted from 1.
+    pub(crate) fn relief_texture(&self) -> Option<u32> {
+        Some(self.relief_texture & 0xffff).filter(|number| *number > 0)
+    }
+
+    /// Texture of what it emits, counted from 1.
+    pub(crate) fn emission_texture(&self) -> Option<u32> {
+        Some(self.relief_texture >> 16).filter(|number| *number > 0)
+    }
+
+    /// True for a lobe of finite width that is followed as a mirror is, if only at some places.
     pub fn has_narrow_lobe(&self) -> bool {
         let followed = MaterialFlags::SPECULAR | MaterialFlags::DIELECTRIC;
-        self.specular_exponent > 0.0 || (self.is_rough() && self.flags().0 & followed != 0)
+        self.specular_exponent > 0.0
+            || (self.is_rough() && self.flags().0 & followed != 0)
+            || self.flags().is_varied()
     }
 
     /// True where what is stated as glossy is packed as `specular`: it is followed.
     pub(super) fn follows_glossy(&self, m: &Material) -> bool {
-        !is_black(&m.glossy) && is_black(&self.glossy)
+        !is_black(&m.glossy) && is_black(&m.specular) && !is_black(&self.specular)
     }
 
     /// The same where two other media meet at it: index of what is behind it over that of what is before, in all and in each band.
@@ -436,7 +405,7 @@ fn flags(is_smooth: bool, material: &Material) -> u32 {
     bit(is_smooth, SMOOTH)
         | bit(is_clear, CLEAR)
         | bit(!is_black(&material.emission), LAMP)
-        | bit(material.diffuse_texture.is_some(), TEXTURED)
+        | bit(material.surface_textures().next().is_some(), TEXTURED)
         | bit(material.opacity.is_some(), CUT)
 }
 
@@ -448,7 +417,8 @@ pub(super) fn pack(
     turned: &[bool],
     order: &[u32],
 ) -> (Vec<PackedTriangle>, Vec<[Vec3; 3]>) {
-    let any_smooth = scene.mesh.triangles.iter().any(|t| t.normal.is_some());
+    let has_relief = |t: &Triangle| scene.materials[t.material as usize].relief.is_some();
+    let any_smooth = scene.mesh.triangles.iter().any(|t| t.normal.is_some() || has_relief(t));
     let mut triangles = Vec::with_capacity(order.len());
     let mut normals = Vec::with_capacity(if any_smooth { order.len() } else { 0 });
     for &i in order {
@@ -460,7 +430,8 @@ pub(super) fn pack(
             v0: a,
             material: t.material,
             e1: b - a,
-            flags: flags(t.normal.is_some(), &scene.materials[t.material as usize]),
+            // what has a relief has normals of its own
+            flags: flags(t.normal.is_some() || has_relief(t), &scene.materials[t.material as usize]),
             e2: c - a,
             emitter: NO_EMITTER,
         };

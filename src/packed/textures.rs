@@ -5,7 +5,9 @@
 use super::gpu_struct::gpu_struct;
 use super::heap::HEAP_WORD;
 use super::surfaces::{PackedMaterial, corner_of};
-use crate::scene::texture::{Bitmap, Filter, Opacity, Space, Texels, Texture, Wrap, f16};
+use crate::scene::texture::{
+    Bitmap, Channel, Filter, Opacity, Relief, ReliefKind, Space, Texels, Texture, Wrap, f16,
+};
 use crate::scene::{Material, Scene};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
@@ -34,10 +36,10 @@ gpu_struct! {
         pub offset_v: f32,
         /// Levels.
         pub levels: u32,
-        /// Factor on the opacity of its texels.
-        pub opacity: f32,
-        /// Padding.
-        pub pad0: u32,
+        /// Factor on the one number that is asked of its texels …
+        pub factor: f32,
+        /// … and which of the four that is: opacity or another.
+        pub channel: u32,
         /// Padding.
         pub pad1: u32,
     }
@@ -107,11 +109,24 @@ impl Textures {
         materials: &mut [PackedMaterial],
         turned: &[bool],
         order: &[u32],
+        world_scale: f64,
         first: impl Fn(u32) -> usize,
     ) -> Self {
         let mut packer = Packer::default();
         for (material, packed) in scene.materials.iter().zip(materials) {
             packed.textures = packer.of_material(material);
+            packed.facet_textures = packer.of_facets(material);
+            if let Some(Relief { texture, kind }) = &material.relief {
+                packed.relief_texture = packer.record(texture, kind.channel(), 1.0);
+                packed.relief = match *kind {
+                    ReliefKind::Normals { strength } => strength,
+                    ReliefKind::Heights { height, is_relative: true, .. } => height,
+                    ReliefKind::Heights { height, .. } => (f64::from(height) / world_scale) as f32,
+                };
+            }
+            if let Some(texture) = &material.emission_texture {
+                packed.relief_texture |= packer.record(texture, Channel::Alpha, 1.0) << 16;
+            }
         }
         let Packer { records, texels, .. } = packer;
         if records.is_empty() {
@@ -140,7 +155,7 @@ impl Textures {
 /// Bytes of memory that packing a scene's textures takes.
 pub(super) fn bytes_of(scene: &Scene) -> u64 {
     let mut seen: FxHashMap<usize, u64> = FxHashMap::default();
-    for texture in scene.materials.iter().flat_map(textures_of) {
+    for texture in scene.materials.iter().flat_map(Material::textures) {
         let bytes = match &texture.bitmap.texels {
             Texels::Bytes(texels) => size_of_val(&texels[..]),
             Texels::Halves(texels) => size_of_val(&texels[..]),
@@ -151,10 +166,6 @@ pub(super) fn bytes_of(scene: &Scene) -> u64 {
     seen.values().map(|bytes| bytes * 7 / 3).sum()
 }
 
-fn textures_of(m: &Material) -> impl Iterator<Item = &Texture> {
-    m.diffuse_texture.iter().chain(m.opacity.iter().filter_map(|o| o.texture.as_ref()))
-}
-
 /// What is the same for two textures whose records are the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Key {
@@ -162,6 +173,7 @@ struct Key {
     space: Space,
     wrap: Wrap,
     filter: Filter,
+    channel: Channel,
     numbers: [u32; 5],
 }
 
@@ -179,23 +191,34 @@ struct Packer {
 impl Packer {
     /// Records of a material, counted from 1: of its colour in the low half, of its opacity in the high half.
     fn of_material(&mut self, m: &Material) -> u32 {
-        let colour = m.diffuse_texture.as_ref().map_or(0, |texture| self.record(texture, 1.0));
+        let alpha = Channel::Alpha;
+        let colour = m.diffuse_texture.as_ref().map_or(0, |texture| self.record(texture, alpha, 1.0));
         let opacity = match &m.opacity {
             None => 0,
-            Some(Opacity { factor, texture: Some(texture) }) => self.record(texture, *factor),
+            Some(Opacity { factor, texture: Some(texture) }) => self.record(texture, alpha, *factor),
             Some(Opacity { factor, texture: None }) => {
                 let white = self.white.get_or_insert_with(|| Arc::new(Bitmap::white())).clone();
-                self.record(&Texture::of(white, Space::Linear), *factor)
+                self.record(&Texture::of(white, Space::Linear), alpha, *factor)
             }
         };
         colour | opacity << 16
     }
 
-    fn record(&mut self, texture: &Texture, opacity: f32) -> u32 {
+    /// Of its roughness in the low half, of its metallic part in the high half.
+    fn of_facets(&mut self, m: &Material) -> u32 {
+        let metallic = m.metallic.as_ref().and_then(|metal| metal.map.as_ref());
+        let [roughness, metallic] = [m.roughness.as_ref(), metallic].map(|map| match map {
+            Some(map) => self.record(&map.texture, map.channel, map.factor),
+            None => 0,
+        });
+        roughness | metallic << 16
+    }
+
+    fn record(&mut self, texture: &Texture, channel: Channel, factor: f32) -> u32 {
         let Texture { bitmap, space, wrap, filter, scale: [su, sv], offset: [ou, ov] } = texture;
         let address = Arc::as_ptr(bitmap) as usize;
-        let numbers = [*su, *sv, *ou, *ov, opacity].map(f32::to_bits);
-        let key = Key { bitmap: address, space: *space, wrap: *wrap, filter: *filter, numbers };
+        let numbers = [*su, *sv, *ou, *ov, factor].map(f32::to_bits);
+        let key = Key { bitmap: address, space: *space, wrap: *wrap, filter: *filter, channel, numbers };
         if let Some(&known) = self.known.get(&key) {
             return known;
         }
@@ -227,8 +250,8 @@ impl Packer {
             offset_u: *ou,
             offset_v: *ov,
             levels,
-            opacity,
-            pad0: 0,
+            factor,
+            channel: channel as u32,
             pad1: 0,
         });
         let number = self.records.len() as u32;

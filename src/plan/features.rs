@@ -16,6 +16,12 @@ pub struct Features {
     pub dielectric: bool,
     /// Some surface has a texture.
     pub textures: bool,
+    /// Some surface has microfacets that vary.
+    pub facet_textures: bool,
+    /// Some surface has a picture of normals or heights.
+    pub relief: bool,
+    /// Some surface shines by a texture.
+    pub glow: bool,
     /// Some of some surface is not there.
     pub cutouts: bool,
     /// The inside of some body matters: what it absorbs, or its priority.
@@ -58,6 +64,13 @@ impl Features {
                 Part::Textures,
                 Reason::NoTexture,
             ),
+            facet_textures: needs(
+                facts::has(scene, |m| m.is_varied()),
+                Part::FacetTextures,
+                Reason::SameFacetsAllOver,
+            ),
+            relief: needs(facts::has(scene, |m| m.has_relief()), Part::Relief, Reason::NoRelief),
+            glow: needs(scene.emitters.iter().any(|e| e.texture > 0), Part::Glow, Reason::LightsAreEven),
             cutouts: needs(scene.textures.has_cutouts, Part::CutOuts, Reason::NothingCut),
             media: needs(!scene.media.is_empty(), Part::Media, Reason::PlainBodies),
             wavelengths: scene.spectra.is_some(),
@@ -81,12 +94,15 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 14] {
+    pub fn named(&self) -> [(&'static str, bool); 17] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
             ("HAS_DIELECTRIC", self.dielectric),
             ("HAS_TEXTURES", self.textures),
+            ("HAS_FACET_TEXTURES", self.facet_textures),
+            ("HAS_RELIEF", self.relief),
+            ("HAS_GLOW", self.glow),
             ("HAS_CUTOUTS", self.cutouts),
             ("HAS_MEDIA", self.media),
             ("HAS_WAVELENGTHS", self.wavelengths),

@@ -22,6 +22,12 @@ pub enum Part {
     Refraction,
     /// Code for textures.
     Textures,
+    /// Code for roughness and metal that vary over a surface.
+    FacetTextures,
+    /// Code for normals and heights from pictures.
+    Relief,
+    /// Code for light whose texture says how bright it is.
+    Glow,
     /// Code for surfaces of which some is not there.
     CutOuts,
     /// Code for what bodies absorb, and which of several counts.
@@ -84,6 +90,12 @@ pub enum Reason {
     NothingDisperses,
     /// No surface has a texture.
     NoTexture,
+    /// Each surface is equally rough, and equally of metal, all over.
+    SameFacetsAllOver,
+    /// No surface has a picture of normals or heights.
+    NoRelief,
+    /// Each light is equally bright all over.
+    LightsAreEven,
     /// All of every surface is there.
     NothingCut,
     /// No body absorbs light, and none has a priority.
@@ -129,7 +141,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 24] = [
+    pub const ALL: [Part; 27] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -138,6 +150,9 @@ impl Part {
         Part::Mirrors,
         Part::Refraction,
         Part::Textures,
+        Part::FacetTextures,
+        Part::Relief,
+        Part::Glow,
         Part::CutOuts,
         Part::Media,
         Part::Dispersion,
@@ -167,6 +182,9 @@ impl Part {
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
             Part::Textures => "textures",
+            Part::FacetTextures => "facet-textures",
+            Part::Relief => "relief",
+            Part::Glow => "glow",
             Part::CutOuts => "cut-outs",
             Part::Media => "media",
             Part::Dispersion => "dispersion",
@@ -197,6 +215,9 @@ impl Part {
             Part::Mirrors => "mirrors",
             Part::Refraction => "refraction",
             Part::Textures => "textures",
+            Part::FacetTextures => "roughness and metal that vary",
+            Part::Relief => "normal and bump maps",
+            Part::Glow => "textures of light",
             Part::CutOuts => "cut-outs",
             Part::Media => "absorption and priorities of bodies",
             Part::Dispersion => "dispersion",
@@ -249,6 +270,9 @@ impl Reason {
             Reason::NoDielectric => "no surface refracts",
             Reason::NothingDisperses => "no surface bends one wavelength more than another",
             Reason::NoTexture => "no surface has a texture",
+            Reason::LightsAreEven => "each light is equally bright all over",
+            Reason::NoRelief => "no surface has a normal or bump map",
+            Reason::SameFacetsAllOver => "each surface is equally rough and of metal all over",
             Reason::NothingCut => "all of every surface is there",
             Reason::PlainBodies => "no body absorbs light or has a priority",
             Reason::NoGlossySurface => "no surface is glossy",
@@ -289,6 +313,9 @@ impl Reason {
             Reason::NoDielectric => "a dielectric",
             Reason::NothingDisperses => "a named glass, or an Abbe number",
             Reason::NoTexture => "a texture",
+            Reason::LightsAreEven => "a texture of ke",
+            Reason::NoRelief => "a normal or bump map",
+            Reason::SameFacetsAllOver => "a texture of roughness, metallic or the colour of metal",
             Reason::NothingCut => "an opacity",
             Reason::PlainBodies => "absorption, or a priority",
             Reason::NoGlossySurface => "a glossy surface",

@@ -101,7 +101,7 @@ fn irradiance(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u32, 
         let draw = |k: u32| random4(seed, number, index, DIMENSION_TECHNIQUE + 2 * event + k);
         if let (Some(pdf), Some(le)) = (pdf_last, le(&s)) {
             let weight = pdf / (pdf + pdf_light(&scene.emitters, &s));
-            found += sum(&scale(&mul(&throughput, le), weight));
+            found += sum(&scale(&mul(&throughput, &le), weight));
         }
         let bsdf = Bsdf::at(&s);
         if s.flags().has_diffuse() {
@@ -121,7 +121,7 @@ fn irradiance(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u32, 
 fn shown_directly(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u32) -> f64 {
     let one = |k: u32| {
         let [x, y, ..] = random4(seed, PATHS + k, index, DIMENSION_TECHNIQUE);
-        let Some(l) = sample_light(&scene.emitters, place.origin, [x, y]) else { return 0.0 };
+        let Some(l) = sample_light(scene, &scene.emitters, place.origin, [x, y]) else { return 0.0 };
         let cos_s = l.wi.dot(place.normal);
         if cos_s <= 0.0 || !visible(scene, place.origin, l.target) {
             return 0.0;
@@ -134,7 +134,7 @@ fn shown_directly(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u
 /// Direct light at a surface, by one shadow ray that shares its weight with the path's next direction.
 fn direct(scene: &PackedScene, s: &SurfaceInteraction, bsdf: &Bsdf, throughput: &Bands, u: [f32; 4]) -> f64 {
     let origin = lift(s.position, s.ng, s.triangle);
-    let Some(l) = sample_light(&scene.emitters, origin, [u[0], u[1]]) else { return 0.0 };
+    let Some(l) = sample_light(scene, &scene.emitters, origin, [u[0], u[1]]) else { return 0.0 };
     let cos_s = l.wi.dot(s.ns);
     if cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 || !visible(scene, origin, l.target) {
         return 0.0;

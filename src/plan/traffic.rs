@@ -313,7 +313,7 @@ fn shadow(
 ) -> Mean {
     let mut found = Mean::default();
     let lights = plan.guides.direct.emitters(&scene.emitters);
-    if let Some(light) = sample_light(lights, s.position, [u, v])
+    if let Some(light) = sample_light(scene, lights, s.position, [u, v])
         && light.wi.dot(s.ng) > 0.0
         && light.wi.dot(s.ns) > 0.0
     {

@@ -5,7 +5,7 @@ use super::patch::{CLEARANCE_MOST, Patch, Place};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::DELTA_MOST;
 use crate::optics::shading::bsdf::Bsdf;
-use crate::packed::{CameraRay, PackedScene};
+use crate::packed::{CameraRay, PackedScene, TEXTURED};
 use crate::sampling::rng::purpose::{DIMENSION_PATCH, STREAM_PATCH};
 use crate::sampling::rng::{pcg4d, random4};
 use crate::spectrum::{BANDS, Bands, mul, scale};
@@ -61,7 +61,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
             let varies = bsdf.scatter.varies();
             let place = Place {
                 position: s.position,
-                normal: s.ns,
+                normal: bsdf.shading_normal(),
                 footprint: length * scene.pixel_angle(),
                 kind: if varies {
                     pcg4d([branch.kind, s.triangle.material + 1, 1, 0])[0]
@@ -76,7 +76,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
                 weight,
                 share: branch.part * ways[0] / followed,
                 is_through: branch.event > 0,
-                is_textured: s.material.colour_texture().is_some(),
+                is_textured: s.triangle.flags & TEXTURED != 0,
             });
         }
         if branch.event + 1 == CHAIN {

@@ -292,13 +292,23 @@ impl RawMaterial {
         let opacities = other.opacity.is_some() || other.map_d.is_some();
         let (opacity, map_d) =
             if opacities { (other.opacity, other.map_d.clone()) } else { (self.opacity, self.map_d) };
+        let emissions = other.ke.is_some() || other.map_ke.is_some();
+        let (ke, map_ke) = if emissions { (other.ke, other.map_ke.clone()) } else { (self.ke, self.map_ke) };
+        // a relief replaces another, of whatever kind
+        let reliefs = other.norm.is_some() || other.bump.is_some();
+        let (norm, bump) =
+            if reliefs { (other.norm.clone(), other.bump.clone()) } else { (self.norm, self.bump) };
+        // each of roughness, α, exponent and their textures replaces the others
+        let states_roughness = other.pr.or(other.alpha).is_some() || other.map_pr.is_some();
+        let map_pr = if states_roughness || other.ns.is_some() { other.map_pr.clone() } else { self.map_pr };
+        let states_metal = other.pm.is_some() || other.map_pm.is_some();
         // a statement replaces another whole, by wavelength or not
         let theirs = other.spectra.clone();
         let spectra = RawSpectra {
             kd: if colours { theirs.kd } else { self.spectra.kd.clone() },
             ks: if other.ks.is_some() { theirs.ks } else { self.spectra.ks.clone() },
             tf: if other.tf.is_some() { theirs.tf } else { self.spectra.tf.clone() },
-            ke: if other.ke.is_some() { theirs.ke } else { self.spectra.ke.clone() },
+            ke: if emissions { theirs.ke } else { self.spectra.ke.clone() },
             absorption: if other.absorption.is_some() {
                 theirs.absorption
             } else {
@@ -316,14 +326,18 @@ impl RawMaterial {
             thin: other.thin.or(self.thin),
             kd,
             ks: other.ks.or(self.ks),
-            ke: other.ke.or(self.ke),
+            ke,
+            map_ke,
             tf: other.tf.or(self.tf),
             ni: other.ni.or(self.ni),
-            // Each of exponent, roughness and α replaces the others.
-            ns: other.ns.or(if other.pr.or(other.alpha).is_some() { None } else { self.ns }),
-            pr: other.pr.or(if other.ns.or(other.alpha).is_some() { None } else { self.pr }),
-            alpha: other.alpha.or(if other.ns.or(other.pr).is_some() { None } else { self.alpha }),
-            pm: other.pm.or(self.pm.filter(|_| !is_replaced)),
+            ns: other.ns.or(if states_roughness { None } else { self.ns }),
+            pr: other.pr.or(if other.ns.is_some() || states_roughness { None } else { self.pr }),
+            alpha: other.alpha.or(if other.ns.is_some() || states_roughness { None } else { self.alpha }),
+            pm: if states_metal { other.pm } else { self.pm.filter(|_| !is_replaced) },
+            norm,
+            bump,
+            map_pr,
+            map_pm: if states_metal { other.map_pm.clone() } else { self.map_pm.filter(|_| !is_replaced) },
             metal: if other.eta.is_some() { None } else { other.metal.clone().or(self.metal) },
             eta: other.eta.or(self.eta),
             k: other.k.or(self.k),

@@ -33,7 +33,7 @@ pub(crate) fn restate(raw: &mut RawMaterial) {
         let head_on = raw.ks.map_or(0.5, |ks| spectrum::max(&ks.value)) * REFLECTANCE;
         let root = head_on.clamp(0.0, 0.9).sqrt();
         raw.ni = Some(At { value: (1.0 + root) / (1.0 - root), line: raw.ni.map_or(raw.line, |ni| ni.line) });
-        raw.pm = Some(At { value: metallic, line: raw.line });
+        raw.pm = Some(At { value: metallic, line: raw.line }).filter(|_| raw.map_pm.is_none());
         (raw.ks, raw.tf) = (None, None);
     }
 }

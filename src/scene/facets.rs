@@ -3,13 +3,13 @@
 //! - **Metal** reflects by its index: that of a name, or η and k; `ks` is a factor on it. With neither, `ks` is its colour head on.
 //! - **Plastic** is matte (`kd`) under a clear coat of index `ior`; `ks` is a factor on what the coat reflects.
 //! - **Principled** has a base colour (`kd`) and a part `metallic`: of that part it is metal of that colour, of the rest plastic.
-//! - A texture is the colour of what is diffuse; metal, whose colour is one, has its mean.
-//! - Whatever its kind, roughness r is α = r² of GGX.
+//! - A texture of the colour is the base colour at each place; of metal with an index it is a tint on what that reflects.
+//! - Whatever its kind, roughness r is α = r² of GGX. Roughness and metallic part may be textures, too.
 
 use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, RawMaterial};
-use super::texture::Texture;
-use super::{FacetKind, Facets, Inner, Material};
+use super::texture::{NumberMap, Texture};
+use super::{FacetKind, Facets, Inner, Material, Metallic};
 use crate::spectrum::{self, BLACK, Bands};
 use std::sync::Arc;
 
@@ -18,8 +18,21 @@ const COAT_IOR: f32 = 1.5;
 /// Roughness of a principled material where nothing is said.
 const PRINCIPLED_ROUGHNESS: f32 = 0.5;
 
-/// α of GGX; `unstated` is a roughness.
-fn alpha(raw: &RawMaterial, unstated: f32) -> f32 {
+/// What of it varies over the surface.
+#[derive(Debug)]
+pub(super) struct Numbers {
+    /// Roughness.
+    pub(super) roughness: Option<NumberMap>,
+    /// Part that is metal.
+    pub(super) metallic: Option<NumberMap>,
+}
+
+/// α of GGX, the most of it where it varies; `unstated` is a roughness.
+fn alpha(raw: &RawMaterial, map: Option<&NumberMap>, unstated: f32) -> f32 {
+    if let Some(map) = map {
+        let [_, most] = map.range();
+        return most * most;
+    }
     let roughness = raw.pr.map_or(unstated, |pr| pr.value);
     raw.alpha.map_or(roughness * roughness, |alpha| alpha.value).clamp(0.0, 1.0)
 }
@@ -49,6 +62,7 @@ fn mean(texture: &Texture) -> Bands {
 pub(super) fn apply(
     raw: &RawMaterial,
     kind: Kind,
+    numbers: Numbers,
     result: &mut Material,
     warn: &mut impl FnMut(Option<usize>, &str),
 ) -> bool {
@@ -58,14 +72,22 @@ pub(super) fn apply(
     // exporters that do not know the index write 0
     let ior = raw.ni.filter(|ni| ni.value != 0.0).map_or(COAT_IOR, |ni| ni.value);
     let is_textured = result.diffuse_texture.is_some();
+    let Numbers { roughness, metallic } = numbers;
+    let alpha = |unstated| alpha(raw, roughness.as_ref(), unstated);
     match kind {
         Kind::Metal => {
-            result.diffuse = BLACK;
-            let texture = result.diffuse_texture.take();
-            if is_textured {
-                warn(None, "metal has the mean colour of its texture");
-            }
-            result.glossy = texture.map_or(within(raw.ks.or(raw.kd), WHITE), |t| mean(&t));
+            result.glossy = match &result.diffuse_texture {
+                Some(texture) => {
+                    result.metallic = Some(Metallic { most: 1.0, map: None });
+                    let factor = base(raw, result);
+                    result.diffuse = factor;
+                    spectrum::mul(&mean(texture), &factor)
+                }
+                None => {
+                    result.diffuse = BLACK;
+                    within(raw.ks.or(raw.kd), WHITE)
+                }
+            };
             let named = raw.metal.as_ref().map(|metal| metal.to_rgb());
             let stated = named.or_else(|| Some([raw.eta?.value, raw.k?.value]));
             let kind = match stated {
@@ -73,7 +95,7 @@ pub(super) fn apply(
                 None => FacetKind::Schlick { ior: 1.0 },
             };
             result.metal = raw.metal.clone().map(Arc::new);
-            result.facets = Some(Facets { alpha: alpha(raw, 0.0), kind });
+            result.facets = Some(Facets { alpha: alpha(0.0), kind });
         }
         Kind::Plastic => {
             result.diffuse = base(raw, result);
@@ -82,36 +104,41 @@ pub(super) fn apply(
             }
             result.glossy = within(raw.ks, WHITE);
             let inner = if raw.saturated.is_some_and(|s| s.value) { Inner::Coloured } else { Inner::Even };
-            result.facets = Some(Facets { alpha: alpha(raw, 0.0), kind: FacetKind::Coat { ior, inner } });
+            result.facets = Some(Facets { alpha: alpha(0.0), kind: FacetKind::Coat { ior, inner } });
         }
         Kind::Principled => {
             let factor = base(raw, result);
-            let metallic = raw.pm.map_or(0.0, |pm| pm.value.clamp(0.0, 1.0));
-            if is_textured && metallic > 0.0 {
-                warn(None, "its metallic part has the mean colour of its texture");
-            }
+            let [least, most] = match &metallic {
+                Some(map) => map.range(),
+                None => [raw.pm.map_or(0.0, |pm| pm.value.clamp(0.0, 1.0)); 2],
+            };
+            let about = 0.5 * (least + most);
+            let is_mixed = most > 0.0 && (is_textured || least < most);
             let head_on = ((ior - 1.0) / (ior + 1.0)).powi(2);
             let colour = result.diffuse_texture.as_ref().map_or(factor, |t| spectrum::mul(&mean(t), &factor));
-            result.diffuse = spectrum::scale(&factor, 1.0 - metallic);
-            result.glossy = colour.map(|colour| head_on + metallic * (colour - head_on));
+            result.diffuse = if is_mixed { factor } else { spectrum::scale(&factor, 1.0 - about) };
+            result.glossy = colour.map(|colour| head_on + about * (colour - head_on));
+            result.metallic = is_mixed.then_some(Metallic { most, map: metallic.filter(|_| least < most) });
             let kind = FacetKind::Schlick { ior };
-            result.facets = Some(Facets { alpha: alpha(raw, PRINCIPLED_ROUGHNESS), kind });
+            result.facets = Some(Facets { alpha: alpha(PRINCIPLED_ROUGHNESS), kind });
         }
-        Kind::Glossy if raw.pr.is_some() || raw.alpha.is_some() => {
+        Kind::Glossy if raw.pr.is_some() || raw.alpha.is_some() || roughness.is_some() => {
             // a coat that reflects as much head on: what is matte lies under it
             let ks = within(raw.ks, BLACK);
             let root = spectrum::max(&ks).min(0.999).sqrt();
             result.glossy = ks;
             result.diffuse = base(raw, result);
             let kind = FacetKind::Schlick { ior: (1.0 + root) / (1.0 - root) };
-            result.facets = (root > 0.0).then_some(Facets { alpha: alpha(raw, 0.0), kind });
+            result.facets = (root > 0.0).then_some(Facets { alpha: alpha(0.0), kind });
         }
         Kind::Glass => {
-            let alpha = alpha(raw, 0.0);
+            let alpha = alpha(0.0);
             result.facets = (alpha > 0.0).then_some(Facets { alpha, kind: FacetKind::Interface });
+            result.roughness = roughness.filter(|_| result.facets.is_some());
             return false;
         }
         _ => return false,
     }
+    result.roughness = roughness.filter(|_| result.facets.is_some());
     true
 }

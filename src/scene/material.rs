@@ -1,7 +1,7 @@
 //! Materials: what happens to light at a surface.
 
 use super::MaterialSpectra;
-use super::texture::{Opacity, Texture};
+use super::texture::{NumberMap, Opacity, Relief, Texture};
 use crate::spectrum::metal::Metal;
 use crate::spectrum::{BANDS, BLACK, Bands, is_black};
 use std::sync::Arc;
@@ -29,6 +29,13 @@ pub struct Material {
     pub glossy_exponent: f32,
     /// The glossy lobe, or the boundary of a transparent body, is of microfacets.
     pub facets: Option<Facets>,
+    /// Roughness of the microfacets where it varies: the square root of their α at each place. `facets` says the most of it.
+    pub roughness: Option<NumberMap>,
+    /// What of it is metal of the colour that `diffuse` and its texture make at each place; none where that is the same all over, as
+    /// `diffuse` and `glossy` say. Else `diffuse` is the colour of both, and `glossy` an even picture of what is reflected.
+    pub metallic: Option<Metallic>,
+    /// Which way its surface faces beside its triangles.
+    pub relief: Option<Relief>,
     /// Mirror reflectance per band.
     pub specular: Bands,
     /// Glass, water: the boundary of a transparent body.
@@ -37,8 +44,10 @@ pub struct Material {
     pub thin: bool,
     /// What light meets inside of the body that the dielectric bounds.
     pub interior: Interior,
-    /// Radiance emitted from the front, W/(m² sr) per band.
+    /// Radiance emitted from the front, W/(m² sr) per band …
     pub emission: Bands,
+    /// … times the texels of this, in red, green and blue.
+    pub emission_texture: Option<Texture>,
     /// By wavelength, the index of what [`FacetKind::Conductor`] says in red, green and blue; none where that is all that is known.
     pub metal: Option<Arc<Metal>>,
     /// What of this is stated by wavelength; its bands say what it is in red, green and blue.
@@ -63,6 +72,15 @@ pub struct Interior {
     pub absorption: Bands,
     /// Which of several bodies in one place counts: that of the lowest number, and of those without one the one entered last \[E45\].
     pub priority: Option<i64>,
+}
+
+/// How much of a surface is metal, from 0 to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Metallic {
+    /// All over; where there is a texture this is the most of it …
+    pub most: f32,
+    /// … and this says how much there is at each place.
+    pub map: Option<NumberMap>,
 }
 
 /// A surface of tiny mirrors, whose slopes are distributed as GGX has it \[E41\].
@@ -132,11 +150,15 @@ impl Material {
             glossy: BLACK,
             glossy_exponent: 0.0,
             facets: None,
+            roughness: None,
+            metallic: None,
+            relief: None,
             specular: BLACK,
             dielectric: None,
             thin: false,
             interior: Interior::default(),
             emission: BLACK,
+            emission_texture: None,
             metal: None,
             spectra: None,
         }
@@ -144,7 +166,21 @@ impl Material {
 
     /// Whether a picture lies on it.
     pub fn has_texture(&self) -> bool {
-        self.diffuse_texture.is_some() || self.opacity.as_ref().is_some_and(|o| o.texture.is_some())
+        self.textures().next().is_some()
+    }
+
+    /// The pictures that lie on it.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let opacity = self.opacity.iter().filter_map(|o| o.texture.as_ref());
+        self.surface_textures().chain(opacity)
+    }
+
+    /// Those of them that are looked up where a ray has met it.
+    pub fn surface_textures(&self) -> impl Iterator<Item = &Texture> {
+        let metallic = self.metallic.iter().filter_map(|m| m.map.as_ref());
+        let numbers = self.roughness.iter().chain(metallic).map(|map| &map.texture);
+        let relief = self.relief.iter().map(|relief| &relief.texture);
+        self.diffuse_texture.iter().chain(numbers).chain(relief).chain(&self.emission_texture)
     }
 
     /// Whether it emits in some band.

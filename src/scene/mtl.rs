@@ -121,6 +121,16 @@ pub(crate) struct RawMaterial {
     pub(crate) read: Vec<PathBuf>,
     /// Texture of the diffuse reflectance.
     pub(crate) map_kd: Option<StatedTexture>,
+    /// Texture of the roughness `pr`.
+    pub(crate) map_pr: Option<StatedTexture>,
+    /// Texture of the metallic part `pm`.
+    pub(crate) map_pm: Option<StatedTexture>,
+    /// Texture of the emitted radiance.
+    pub(crate) map_ke: Option<StatedTexture>,
+    /// Texture of normals.
+    pub(crate) norm: Option<StatedTexture>,
+    /// Texture of heights, in libraries perhaps of normals.
+    pub(crate) bump: Option<StatedTexture>,
     /// Texture of the opacity.
     pub(crate) map_d: Option<StatedTexture>,
     /// Other textures, which are not read: key and line.
@@ -189,8 +199,13 @@ fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Resu
         "tr" => material.tr = at(number(rest)?),
         "illum" => material.illum = at(number(rest)?),
         "map_kd" => material.map_kd = Some(StatedTexture::parse(rest, file, line)?),
+        "map_pr" => material.map_pr = Some(StatedTexture::parse(rest, file, line)?),
+        "map_pm" => material.map_pm = Some(StatedTexture::parse(rest, file, line)?),
         "map_d" => material.map_d = Some(StatedTexture::parse(rest, file, line)?),
-        "bump" | "norm" | "refl" | "disp" | "decal" => other(),
+        "map_ke" => material.map_ke = Some(StatedTexture::parse(rest, file, line)?),
+        "norm" | "map_norm" | "map_kn" => material.norm = Some(StatedTexture::parse(rest, file, line)?),
+        "bump" | "map_bump" => material.bump = Some(StatedTexture::parse(rest, file, line)?),
+        "refl" | "disp" | "decal" => other(),
         _ if key.starts_with("map_") && key != "map_ka" => other(),
         _ => {}
     }

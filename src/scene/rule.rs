@@ -12,7 +12,7 @@
 //! 4. **Matte** where illum is 0 or 1: diffuse = Kd.
 //! 5. Everything else (2, 10, absent): diffuse = Kd and, where Ks is not black, a **glossy** lobe Ks with exponent
 //!    Ns, else 10; kept in 1 … 10⁶. Where the material states Pr, the lobe is of microfacets; where it states Pm, or Pr and no Ks,
-//!    the material is principled (`facets.rs`). Glass is rough by Pr.
+//!    the material is principled (`facets.rs`). Glass is rough by Pr. map_Pr and map_Pm stand in place of Pr and Pm.
 //! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. map_Kd multiplies Kd; where Kd is black or
 //!    absent it stands alone, and in Blender's libraries it always does. Where it cannot be read, such a Kd is grey 0.5.
 //! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor; of a texture the largest texel
@@ -20,12 +20,13 @@
 //! 8. map_d is the opacity of what is opaque and does not shine: its own, else its luminance. d or Tr alone never make an
 //!    opaque material transparent.
 
+use super::facets::{self, Numbers};
 use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
-use super::texture::{Opacity, Texture};
+use super::texture::{Opacity, Relief, ReliefKind, Texture};
 use super::warnings::{Named, Warnings};
-use super::{Dielectric, Interior, Material, MaterialSpectra, facets};
+use super::{Dielectric, Interior, Material, MaterialSpectra};
 use crate::spectrum::{self, BLACK, Bands, Spectrum};
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -42,6 +43,8 @@ const DEFAULT_EXPONENT: f32 = 10.0;
 const EXPONENT_RANGE: std::ops::RangeInclusive<f32> = 1.0..=1e6;
 /// A glass whose ignored Kd exceeds this was meant to have a body colour.
 const NOTICED_DIFFUSE: f32 = 0.05;
+/// Height of what `-bm 1` makes white, in widths of the picture: libraries know no unit.
+const BUMP_UNIT: f32 = 0.01;
 /// Reflectances may exceed 1 by this much: the rounding of decimal text.
 const ALBEDO_SLACK: f32 = 1e-6;
 
@@ -54,6 +57,13 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
         None => None,
     };
     let opacity = opacity(raw, kind, textures, warnings)?;
+    let [roughness, metallic] = [raw.map_pr.as_ref(), raw.map_pm.as_ref()].map(|stated| match stated {
+        Some(stated) => textures.number(stated, warnings),
+        None => Ok(None),
+    });
+    let relief = relief(raw, textures, warnings)?;
+    let emission = emission(raw, textures, warnings)?;
+    let numbers = Numbers { roughness: roughness?, metallic: metallic? };
     let mut warn = |line: Option<usize>, what: &str| {
         let what = format!(": {what}");
         let kind = Named { noun: ["material", "materials"], what: [&what, &what] };
@@ -64,11 +74,12 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     }
     let ks = raw.ks.map_or(BLACK, |ks| ks.value);
     let mut result = Material::matte(raw.name.clone(), BLACK);
-    result.emission = raw.ke.map_or(BLACK, |ke| ke.value);
     if let Some((key, line)) = stated_of_interior(raw).filter(|_| kind != Kind::Glass) {
         let what = format!("material \"{}\": {key} of what is no glass", raw.name);
         return Err(Error::scene(&raw.file, Some(line), what, "give type = \"glass\", or leave it out"));
     }
+    result.relief = relief;
+    (result.emission, result.emission_texture) = emission;
     if kind == Kind::Glass {
         if let Some(kd) = raw.kd.filter(|kd| spectrum::max(&kd.value) > NOTICED_DIFFUSE) {
             warn(Some(kd.line), "Kd of a glass is ignored");
@@ -81,8 +92,8 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
             absorption: raw.absorption.map_or(BLACK, |a| a.value),
             priority: raw.priority.map(|p| p.value),
         };
-        facets::apply(raw, kind, &mut result, &mut warn);
-        result.spectra = spectra(raw, kind);
+        facets::apply(raw, kind, numbers, &mut result, &mut warn);
+        result.spectra = spectra(raw, kind, false);
         return Ok(result);
     }
     if opacity.is_none() && raw.map_d.is_none() && transmits_like_cutout(raw) {
@@ -96,9 +107,9 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     // the largest texel says how much is reflected
     let most = colour.as_ref().map_or(WHITE, |texture| spectrum::from_rgb(texture.most()));
     result.diffuse_texture = colour;
-    result.spectra = spectra(raw, kind);
+    result.spectra = spectra(raw, kind, numbers.metallic.is_some());
     match kind {
-        _ if facets::apply(raw, kind, &mut result, &mut warn) => return Ok(result),
+        _ if facets::apply(raw, kind, numbers, &mut result, &mut warn) => return Ok(result),
         Kind::Mirror => {
             let diffuse = spectrum::mul(&result.diffuse, &most);
             result.specular = raw.ks.map_or(mirror_default(raw, &diffuse), |ks| ks.value);
@@ -123,13 +134,14 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     Ok(result)
 }
 
-/// What is stated by wavelength, for the lobes that a material of this kind has; none where nothing is.
-fn spectra(raw: &RawMaterial, kind: Kind) -> Option<Arc<MaterialSpectra>> {
+/// What is stated by wavelength, for the lobes that a material of this kind has; none where nothing is. Where how much of it is metal
+/// varies, `kd` is the colour of both.
+fn spectra(raw: &RawMaterial, kind: Kind, is_mixed: bool) -> Option<Arc<MaterialSpectra>> {
     let RawSpectra { kd, ks, tf, ke, absorption, ni } = raw.spectra.clone();
     let of = |is_meant: bool, spectrum: Option<Spectrum>| spectrum.filter(|_| is_meant);
     let is_glass = kind == Kind::Glass;
     // what is diffuse then follows from its colour
-    let is_half_metal = kind == Kind::Principled && raw.pm.is_some_and(|pm| pm.value > 0.0);
+    let is_half_metal = kind == Kind::Principled && !is_mixed && raw.pm.is_some_and(|pm| pm.value > 0.0);
     let spectra = MaterialSpectra {
         diffuse: of(!is_glass && !is_half_metal, kd),
         glossy: of(matches!(kind, Kind::Glossy | Kind::Metal | Kind::Plastic), ks.clone()),
@@ -156,7 +168,8 @@ fn kind(raw: &RawMaterial) -> Kind {
         5 | 8 | 10 if transmits(raw) => Kind::Glass,
         3 | 5 | 8 => Kind::Mirror,
         0 | 1 => Kind::Matte,
-        _ if raw.pm.is_some() || (raw.pr.is_some() && raw.ks.is_none()) => Kind::Principled,
+        _ if raw.pm.is_some() || raw.map_pm.is_some() => Kind::Principled,
+        _ if (raw.pr.is_some() || raw.map_pr.is_some()) && raw.ks.is_none() => Kind::Principled,
         _ => Kind::Glossy,
     }
 }
@@ -197,6 +210,41 @@ fn dielectric(raw: &RawMaterial, warn: &mut impl FnMut(Option<usize>, &str)) -> 
     }
 }
 
+/// Radiance, and the texture that it is multiplied by; in a library the texture stands alone where Ke is black.
+fn emission(
+    raw: &RawMaterial,
+    textures: &mut Store,
+    warnings: &mut Warnings,
+) -> Result<(Bands, Option<Texture>)> {
+    let plain = raw.ke.map_or(BLACK, |ke| ke.value);
+    let Some(stated) = &raw.map_ke else { return Ok((plain, None)) };
+    let Some(texture) = textures.texture(stated, Role::Emission, warnings)? else { return Ok((plain, None)) };
+    let stands_alone = spectrum::is_black(&plain) && !stated.is_required;
+    let factor = if stands_alone { WHITE } else { plain };
+    // a black picture is no light
+    let shines = texture.most() != [0.0; 3] && !spectrum::is_black(&factor);
+    Ok(if shines { (factor, Some(texture)) } else { (BLACK, None) })
+}
+
+/// Which way the surface faces beside its triangles.
+fn relief(raw: &RawMaterial, textures: &mut Store, warnings: &mut Warnings) -> Result<Option<Relief>> {
+    let Some(stated) = raw.norm.as_ref().or(raw.bump.as_ref()) else { return Ok(None) };
+    let Some(texture) = textures.texture(stated, Role::Number, warnings)? else { return Ok(None) };
+    let is_library = !stated.is_required;
+    let normals = ReliefKind::Normals { strength: stated.relief };
+    let kind = if raw.norm.is_some() {
+        normals
+    } else if is_library && texture.bitmap.is_of_normals() {
+        let what = format!("{} has the colours of normals and is read so", stated.what());
+        warnings.add(&raw.file, Some(stated.line), what);
+        normals
+    } else {
+        let height = stated.relief * if is_library { BUMP_UNIT } else { 1.0 };
+        ReliefKind::Heights { channel: stated.channel, height, is_relative: is_library }
+    };
+    Ok(Some(Relief { texture, kind }))
+}
+
 /// How much of a surface is there; none where all of it is.
 fn opacity(
     raw: &RawMaterial,
@@ -231,7 +279,7 @@ fn diffuse(
     }
     stated.unwrap_or_else(|| {
         let shines = |value: Option<At<Bands>>| value.is_some_and(|v| !spectrum::is_black(&v.value));
-        if shines(raw.ke) || shines(raw.ks) || kind == Kind::Mirror {
+        if shines(raw.ke) || raw.map_ke.is_some() || shines(raw.ks) || kind == Kind::Mirror {
             return BLACK;
         }
         if raw.kind.is_none() {

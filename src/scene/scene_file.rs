@@ -12,7 +12,9 @@ use super::spectrum_entry;
 use super::table::{Source, Table, TextOrTable, parse};
 use super::text;
 use super::texture::entry;
+use super::texture::stated::StatedTexture;
 use super::transform::Transform;
+use crate::spectrum::BANDS;
 use crate::spectrum::lamp::Emission;
 use crate::spectrum::metal::Metal;
 use crate::{Error, Result};
@@ -194,7 +196,7 @@ fn material_entry(table: Table, path: &Path) -> Result<MaterialEntry> {
 }
 
 /// What may be said of a material.
-const MATERIAL_KEYS: [&str; 20] = [
+const MATERIAL_KEYS: [&str; 22] = [
     "type",
     "kd",
     "ks",
@@ -215,6 +217,8 @@ const MATERIAL_KEYS: [&str; 20] = [
     "attenuation_color",
     "attenuation_distance",
     "priority",
+    "normal",
+    "bump",
 ];
 
 /// Keys that some kinds of material alone read.
@@ -263,13 +267,28 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
     let single = |value: Option<At<f64>>| value.map(|v| At { value: v.value as f32, line: v.line });
     let map_kd = entry::texture(table, "kd", path)?;
     let map_d = entry::texture(table, "opacity", path)?;
+    let [map_pr, map_pm] =
+        [entry::number(table, "roughness", path)?, entry::number(table, "metallic", path)?];
+    let (norm, bump) = (entry::normals(table, path)?, entry::heights(table, path)?);
+    if let (Some(_), Some(StatedTexture { line, .. })) = (&norm, &bump) {
+        return Err(table.fault(*line, "both normal and bump", "give one of them"));
+    }
+    let plain = |key: &str, map: &Option<StatedTexture>| match map {
+        Some(_) => Ok(None),
+        None => Ok::<_, Error>(single(table.number(key)?)),
+    };
     let opacity = if map_d.is_some() { None } else { opacity(table)? };
     let [(kd, kd_spectrum), (ks, ks_spectrum), (tf, tf_spectrum)] = [
         if map_kd.is_some() { (None, None) } else { spectrum_entry::reflectance(table, "kd")? },
         spectrum_entry::reflectance(table, "ks")?,
         spectrum_entry::reflectance(table, "tint")?,
     ];
-    let (ke, ke_spectrum) = spectrum_entry::emission(table, "ke")?;
+    let (map_ke, (ke, ke_spectrum)) = match entry::emission(table, "ke", path)? {
+        Some((stated, At { value, line })) => {
+            (Some(stated), (Some(At { value: [value; BANDS], line }), None))
+        }
+        None => (None, spectrum_entry::emission(table, "ke")?),
+    };
     let (ni, index) = spectrum_entry::index(table, "ior")?;
     let (absorption, absorption_spectrum) = absorption::read(table)?;
     let metal = match table.optional_string("metal")? {
@@ -309,11 +328,16 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
             ni: index,
         },
         ns: single(table.number("exponent")?),
-        pr: single(table.number("roughness")?),
+        pr: plain("roughness", &map_pr)?,
         map_kd,
         map_d,
         opacity,
-        pm: single(table.number("metallic")?),
+        pm: plain("metallic", &map_pm)?,
+        map_pr,
+        map_pm,
+        map_ke,
+        norm,
+        bump,
         alpha: single(table.number("alpha")?),
         metal,
         eta,

@@ -15,15 +15,16 @@ pub(crate) fn surfaces(path: &Path, mesh: &Mesh) -> Result<()> {
     Ok(())
 }
 
-/// Most materials with textures: the numbers of their textures have 16 bits, and each may have two.
-const TEXTURED_MOST: usize = (1 << 15) - 1;
+/// Most textures of all materials: their numbers have 16 bits.
+const TEXTURES_MOST: usize = (1 << 16) - 1;
 
 /// Textures can be told apart.
 pub(crate) fn textures(path: &Path, materials: &[Material]) -> Result<()> {
-    let textured = materials.iter().filter(|m| m.has_texture() || m.opacity.is_some()).count();
-    if textured > TEXTURED_MOST {
-        let what = format!("{textured} materials have textures or opacities");
-        return Err(Error::scene(path, None, what, format!("give at most {TEXTURED_MOST}")));
+    let plain = |m: &Material| m.opacity.as_ref().is_some_and(|o| o.texture.is_none());
+    let count: usize = materials.iter().map(|m| m.textures().count() + usize::from(plain(m))).sum();
+    if count > TEXTURES_MOST {
+        let what = format!("{count} textures and opacities of materials");
+        return Err(Error::scene(path, None, what, format!("give at most {TEXTURES_MOST}")));
     }
     Ok(())
 }

@@ -3,8 +3,10 @@
 use super::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
 use joton::plan::{Part, Reason};
-use joton::scene::texture::{Bitmap, Filter, Opacity, Space, Texels, Texture};
-use joton::scene::{FacetKind, Facets, Inner, Interior, Light, Material, MaterialSpectra, Scene};
+use joton::scene::texture::{
+    Bitmap, Channel, Filter, NumberMap, Opacity, Relief, ReliefKind, Space, Texels, Texture, f16,
+};
+use joton::scene::{FacetKind, Facets, Inner, Interior, Light, Material, MaterialSpectra, Metallic, Scene};
 use joton::spectrum::glass::Index;
 use std::path::Path;
 use std::sync::Arc;
@@ -93,6 +95,62 @@ pub fn with_board(mut scene: Scene) -> Scene {
     let along = |p: &DVec3| [p.x as f32, (p.y + p.z) as f32];
     scene.mesh.uvs = scene.mesh.positions.iter().map(along).collect();
     scene.mesh.triangles.iter_mut().for_each(|t| t.uv = Some(t.vertex));
+    scene
+}
+
+/// The scene with a board on everything matte whose squares differ in colour, roughness and how much is metal: from what is followed to
+/// what is gathered, with what lies between.
+pub fn with_facet_board(scene: Scene) -> Scene {
+    let mut scene = with_board(scene);
+    // red is roughness, green metal
+    let grid = [[40, 255, 0, 255], [150, 0, 0, 255], [90, 128, 0, 255], [200, 255, 0, 255]];
+    let bitmap = Arc::new(Bitmap { size: [2; 2], texels: Texels::Bytes(grid.to_vec()) });
+    let texture = Texture { scale: [3.0; 2], ..Texture::of(bitmap, Space::Linear) };
+    let map = |channel| NumberMap { texture: texture.clone(), channel, factor: 1.0 };
+    for m in &mut scene.materials {
+        m.glossy = [0.3; 3];
+        m.facets = Some(Facets { alpha: 0.615, kind: FacetKind::Schlick { ior: 1.5 } });
+        m.roughness = Some(map(Channel::Red));
+        m.metallic = Some(Metallic { most: 1.0, map: Some(map(Channel::Green)) });
+    }
+    scene
+}
+
+/// The scene with smooth hills on everything that does not shine: of normals and, every second material, of heights.
+pub fn with_relief(scene: Scene) -> Scene {
+    let mut scene = with_board(scene);
+    const SIDE: u32 = 8;
+    let turn = |i: u32| std::f32::consts::TAU * (i as f32 + 0.5) / SIDE as f32;
+    let byte = |x: f32| (127.5 + 127.5 * x) as u8;
+    let texel = |i: u32| {
+        let (x, y) = (turn(i % SIDE).sin(), turn(i / SIDE).cos());
+        [byte(0.6 * x), byte(0.5 * y), byte(0.7), byte(0.5 * (x + y))]
+    };
+    let texels = Texels::Bytes((0..SIDE * SIDE).map(texel).collect());
+    let bitmap = Arc::new(Bitmap { size: [SIDE; 2], texels });
+    let texture = Texture { scale: [2.0; 2], ..Texture::of(bitmap, Space::Linear) };
+    for (i, m) in scene.materials.iter_mut().enumerate() {
+        m.diffuse_texture = None;
+        let kind = match i % 2 {
+            0 => ReliefKind::Normals { strength: 0.9 },
+            _ => ReliefKind::Heights { channel: Channel::Alpha, height: 0.1, is_relative: true },
+        };
+        m.relief = (!m.emits()).then(|| Relief { texture: texture.clone(), kind });
+    }
+    scene
+}
+
+/// The scene with a picture of light on all that shines: dark in part, coloured, and beyond one.
+pub fn with_glow(scene: Scene) -> Scene {
+    let mut scene = with_board(scene);
+    let grid = [[0.0, 0.0, 0.0], [3.0, 1.0, 0.2], [0.3, 0.5, 2.0], [0.1, 0.0, 0.4]];
+    let texel = |[r, g, b]: [f32; 3]| [r, g, b, 1.0].map(f16::from_f32);
+    let bitmap = Arc::new(Bitmap { size: [2; 2], texels: Texels::Halves(grid.map(texel).to_vec()) });
+    let glow = Texture { scale: [7.0; 2], ..Texture::of(bitmap, Space::Linear) };
+    for m in &mut scene.materials {
+        m.diffuse_texture = None;
+        m.emission_texture = m.emits().then(|| glow.clone());
+    }
     scene
 }
 
@@ -347,6 +405,24 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NoTexture,
             cornell(),
             case("cornell with a board", with_board(file("cornell", size))),
+        ),
+        twins(
+            Part::FacetTextures,
+            Reason::SameFacetsAllOver,
+            case("cornell, coated", changed(file("cornell", size), coated)),
+            case("cornell with a board of facets", with_facet_board(file("cornell", size))),
+        ),
+        twins(
+            Part::Relief,
+            Reason::NoRelief,
+            cornell(),
+            case("cornell with a relief", with_relief(file("cornell", size))),
+        ),
+        twins(
+            Part::Glow,
+            Reason::LightsAreEven,
+            cornell(),
+            case("cornell with a picture of light", with_glow(file("cornell", size))),
         ),
         twins(
             Part::CutOuts,

@@ -54,7 +54,7 @@ fn the_normal_that_counts_is_on_the_side_of_the_ray() {
         .collect();
     let code = "let front = in_f(0u).xyz; let d = in_f(1u).xyz;
         let s = Surface(vec3(0.0), 0u, front, in_f(0u).w > 0.5, in_f(2u).xyz, NO_EMITTER, 0.0,
-            TexturePlace(vec2(0.0), 0.0), false);
+            TexturePlace(vec2(0.0), 0.0, vec3(0.0), vec3(0.0)), false);
         let geometric = front * select(-1.0, 1.0, dot(d, front) < 0.0);
         out_f(0u, vec4(facing_normal(s, d, geometric), 0.0));";
     let out: Vec<[Row; 1]> = Snippet::new(SCATTER, code).run_in(context, &mut harness(context), &[], &inputs);

@@ -170,7 +170,8 @@ fn lookups_are_those_of_the_formula() {
             inputs.push([[(6.0 * u - 3.0).to_bits(), (6.0 * v - 3.0).to_bits(), width.to_bits(), number]]);
         }
     }
-    let code = "let i = in_f(0u); out_f(0u, texture_lookup(in_u(0u).w, i.xy, i.z));";
+    let code = "let i = in_f(0u); let n = in_u(0u).w;
+        out_f(0u, vec4(texture_lookup(n, i.xy, i.z).rgb, texture_number(n, i.xy, i.z)));";
     let imports = &["shading/texture.wgsl"];
     let out: Vec<[Row; 1]> = Snippet::new(imports, code).run_in(context, &mut harness, &[], &inputs);
     let all: Vec<Vec<Level>> = textures.iter().map(levels).collect();
@@ -181,7 +182,7 @@ fn lookups_are_those_of_the_formula() {
         // of each texture there is one record for its colour, and one for the opacity, which has a factor
         let (t, levels) = (&textures[number / 2], &all[number / 2]);
         let record = &packed.textures.records[number];
-        assert_eq!(record.opacity, if number.is_multiple_of(2) { 1.0 } else { 0.5 });
+        assert_eq!(record.factor, if number.is_multiple_of(2) { 1.0 } else { 0.5 });
         if t.filter == Filter::Nearest {
             // on an edge between texels rounding decides
             let near_edge = |uv: f32, k: usize| {
@@ -194,7 +195,7 @@ fn lookups_are_those_of_the_formula() {
             }
         }
         let mut wanted = reference(t, levels, [f64::from(u), f64::from(v)], f64::from(width));
-        wanted[3] *= f64::from(record.opacity);
+        wanted[3] *= f64::from(record.factor);
         // smaller levels are rounded to half floats, or to bytes, which the curve of sRGB makes 2.3 times as coarse
         let is_first = f64::from(width) == 0.0;
         let tolerance = match (&t.bitmap.texels, is_first) {

@@ -170,7 +170,7 @@ fn warnings_of_one_kind_are_one_line() {
     let told = |count: usize| {
         let names: Vec<String> = (0..count).map(|i| format!("m{i}")).collect();
         let faces: String = names.iter().map(|n| format!("usemtl {n}\nf 1 2 3\n")).collect();
-        let mtl: String = names.iter().map(|n| format!("newmtl {n}\nbump {n}.png\nKd .5 .5 .5\n")).collect();
+        let mtl: String = names.iter().map(|n| format!("newmtl {n}\ndisp {n}.png\nKd .5 .5 .5\n")).collect();
         let obj = format!("mtllib m.mtl\n{TRIANGLE}{faces}usemtl n\nf 1 2 3\n");
         let mtl = format!("{mtl}newmtl n\nKd 1 1 1\nd .5\n");
         let files = [("a.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes())];
@@ -180,7 +180,7 @@ fn warnings_of_one_kind_are_one_line() {
         assert!(lines[1].ends_with("material \"n\": d and Tr are no cut-outs; it is opaque"));
         lines.swap_remove(0)
     };
-    let rest = ": bump is not read; its plain value is used";
+    let rest = ": disp is not read; its plain value is used";
     let one = told(1);
     assert!(one.ends_with(&format!("m.mtl:2: material \"m0\"{rest}")), "{one}");
     let two = told(2);

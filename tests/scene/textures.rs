@@ -4,7 +4,7 @@ use crate::folder::{Folder, refused, warned};
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
 use joton::Error;
 use joton::scene::Scene;
-use joton::scene::texture::{Filter, Space, Texels, Wrap};
+use joton::scene::texture::{Channel, Filter, ReliefKind, Space, Texels, Wrap};
 use std::io::Cursor;
 
 const SQUARE: &str =
@@ -110,16 +110,18 @@ fn map_kd_multiplies_kd() {
     assert!((m.diffuse[0] - 2.0 / 3.0).abs() < 1e-6 && (m.glossy[0] - 1.0 / 3.0).abs() < 1e-6, "{m:?}");
 }
 
-/// In Blender's libraries the texture is the whole of the colour, but for metal.
+/// In Blender's libraries the texture is the whole of the colour, of metal as of the rest.
 #[test]
 fn blender_means_the_texture_alone() {
-    for (statements, wanted) in [("Kd .5 .5 .5\n", 1.0), ("", 1.0), ("Kd .5 .5 .5\nillum 3\nPm 0.25\n", 0.75)]
+    for (statements, wanted) in [("Kd .5 .5 .5\n", 1.0), ("", 1.0), ("Kd .5 .5 .5\nillum 3\nPm 0.25\n", 1.0)]
     {
         let mtl = format!("# Blender 4.0\nnewmtl m\n{statements}map_Kd a.png\n");
         let obj = format!("{SQUARE}f 1/1 2/2 3/3\n");
         let files = [("a.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes()), ("a.png", &png([128; 3]))];
         let m = Folder::new(&files).load("a.obj").unwrap().materials.remove(0);
         assert_eq!(m.diffuse, [wanted; 3], "{statements}");
+        let metal = m.metallic.map_or(0.0, |metal| metal.most);
+        assert_eq!(metal, if statements.contains("Pm") { 0.25 } else { 0.0 }, "{statements}");
     }
 }
 
@@ -269,4 +271,136 @@ fn opacity_is_read() {
     let half = from_toml(&format!("{TOML}{NAMED}opacity = 0.5\n"), &[]).unwrap();
     assert_eq!(half.materials[0].opacity.as_ref().map(|o| o.factor), Some(0.5));
     assert_eq!(half.materials[0].diffuse, [0.2; 3], "the rest stays");
+}
+
+/// Roughness and metallic part from the channels of one picture, as glTF packs them; in MTL they stand in place of Pr and Pm. Where all of
+/// a number is the same nothing varies.
+#[test]
+fn roughness_and_metal_are_read() {
+    let mut packed = RgbImage::from_pixel(2, 1, Rgb([7, 51, 255]));
+    packed.put_pixel(1, 0, Rgb([7, 204, 0]));
+    let mut bytes = Cursor::new(Vec::new());
+    packed.write_to(&mut bytes, ImageFormat::Png).unwrap();
+    let packed = bytes.into_inner();
+    let principled = format!("{TOML}{NAMED}type = \"principled\"\nkd = [0.8, 0.4, 0.2]\n");
+    let with = |what: &str| from_toml(&format!("{principled}{what}\n"), &[("orm.png", &packed)]);
+    let scene = with(
+        "roughness = { texture = \"orm.png\", channel = \"g\", factor = 0.5 }\n\
+         metallic = { texture = \"orm.png\", channel = \"b\" }",
+    )
+    .unwrap();
+    let m = &scene.materials[0];
+    let roughness = m.roughness.as_ref().expect("a texture");
+    let metallic = m.metallic.as_ref().expect("metal");
+    let metal = metallic.map.as_ref().expect("a texture");
+    assert_eq!((roughness.channel, roughness.texture.space), (Channel::Green, Space::Linear));
+    let [least, most] = roughness.range();
+    assert!((least - 0.1).abs() < 1e-6 && (most - 0.4).abs() < 1e-6, "{least} {most}");
+    assert!((m.facets.expect("facets").alpha - 0.16).abs() < 1e-6);
+    assert_eq!((metallic.most, metal.channel, metal.range()), (1.0, Channel::Blue, [0.0, 1.0]));
+    assert_eq!(m.diffuse, [0.8, 0.4, 0.2], "the colour of both");
+    assert!(std::sync::Arc::ptr_eq(&metal.texture.bitmap, &roughness.texture.bitmap), "read once");
+    // a plain number in its place, and the other way round
+    let even = with("metallic = { texture = \"orm.png\", channel = \"r\", factor = 0 }").unwrap();
+    assert!(even.materials[0].metallic.is_none() && even.materials[0].roughness.is_none());
+    let mtl = "Kd .8 .4 .2\nPr .9\nmap_Pr -imfchan g orm.png\nmap_Pm -imfchan b orm.png";
+    let scene = load("f 1/1 2/2 3/3", mtl, &[("orm.png", &packed)]).unwrap();
+    let m = &scene.materials[0];
+    assert!((m.facets.expect("facets").alpha - 0.64).abs() < 1e-6 && m.metallic.is_some(), "{m:?}");
+    assert!(!scene.warnings.iter().any(|w| w.contains("m.mtl")), "{:?}", scene.warnings);
+    let lost = load("f 1/1 2/2 3/3", "Kd .8 .4 .2\nPr .5\nmap_Pr no.png", &[]).unwrap();
+    warned(&lost, "m.mtl:4", "is not found; the plain value is used");
+    assert_eq!(lost.materials[0].facets.expect("facets").alpha, 0.25);
+    // a metal's colour is its texture's, place by place
+    let gold = format!("{TOML}{NAMED}type = \"metal\"\nkd = {{ texture = \"orm.png\" }}\n");
+    let gold = from_toml(&gold, &[("orm.png", &packed)]).unwrap();
+    assert!(gold.warnings.is_empty() && gold.materials[0].diffuse_texture.is_some(), "{:?}", gold.warnings);
+    for (what, words) in [
+        ("roughness = { texture = \"orm.png\", channel = \"x\" }", "\"x\""),
+        ("roughness = { texture = \"orm.png\", factor = 2 }", "factor 2 of roughness"),
+        ("roughness = { texture = \"no.png\" }", "no.png does not exist"),
+        ("kd = { texture = \"orm.png\", channel = \"r\" }", "unknown key"),
+    ] {
+        refused(from_toml(&format!("{TOML}{NAMED}{what}\n"), &[("orm.png", &packed)]), "s.toml:9", words);
+    }
+    let matte = "type = \"matte\"\nmetallic = { texture = \"orm.png\" }";
+    refused(from_toml(&format!("{TOML}{NAMED}{matte}\n"), &[]), "s.toml:10", "not of its kind");
+}
+
+/// Normals and heights arrive with their strength; what a library calls a bump map and has the colours of normals is one of normals.
+#[test]
+fn reliefs_are_read() {
+    let (blue, grey) = (png([130, 120, 250]), png([90; 3]));
+    let pictures = [("n.png", &blue[..]), ("h.png", &grey[..])];
+    let height = |height, is_relative| ReliefKind::Heights { channel: Channel::Red, height, is_relative };
+    for (mtl, wanted) in [
+        ("norm n.png", ReliefKind::Normals { strength: 1.0 }),
+        ("norm -bm 0.5 n.png", ReliefKind::Normals { strength: 0.5 }),
+        ("map_Bump -bm 0.25 n.png", ReliefKind::Normals { strength: 0.25 }),
+        ("bump -bm 3 h.png", height(0.03, true)),
+        ("map_bump -bm -1 -imfchan l h.png", height(-0.01, true)),
+    ] {
+        let scene = load("f 1/1 2/2 3/3", &format!("Kd .5 .5 .5\n{mtl}"), &pictures).unwrap();
+        let relief = scene.materials[0].relief.as_ref().expect("a relief");
+        assert_eq!((relief.kind, relief.texture.space), (wanted, Space::Linear), "{mtl}");
+        if mtl.starts_with("map_Bump") {
+            warned(&scene, "m.mtl:3", "colours of normals");
+        }
+    }
+    let lost = load("f 1/1 2/2 3/3", "Kd .5 .5 .5\nbump no.png", &[]).unwrap();
+    warned(&lost, "m.mtl:3", "is not found");
+    assert!(lost.materials[0].relief.is_none());
+    let with = |what: &str| from_toml(&format!("{TOML}{NAMED}{what}\n"), &pictures);
+    let kind = |what: &str| with(what).unwrap().materials[0].relief.as_ref().expect("a relief").kind;
+    assert_eq!(kind("normal = { texture = \"n.png\", strength = 2 }"), ReliefKind::Normals { strength: 2.0 });
+    // heights are what is said, whatever their colours
+    assert_eq!(kind("bump = { texture = \"n.png\", height = 0.5 }"), height(0.5, false));
+    for (what, words) in [
+        ("normal = \"n.png\"", "normal is no picture"),
+        ("bump = { texture = \"h.png\" }", "height"),
+        ("normal = { texture = \"n.png\", height = 1 }", "unknown key"),
+        ("normal = { texture = \"n.png\", wrap = \"mirror\" }", "cannot be mirrored"),
+        ("bump = { texture = \"h.png\", height = 1e9 }", "beyond"),
+    ] {
+        refused(with(what), "s.toml:9", words);
+    }
+    let both = "normal = { texture = \"n.png\" }\nbump = { texture = \"h.png\", height = 1 }";
+    refused(with(both), "s.toml:10", "both normal and bump");
+}
+
+/// Pictures of light multiply Ke, and stand alone where a library has none; what they have beyond one stays, and black ones are no light.
+#[test]
+fn pictures_of_light_are_read() {
+    let (red, black) = (png([255, 0, 0]), png([0; 3]));
+    let mut bright = joton::film::Image::new(2, 1);
+    bright.pixels.fill([0.5, 2.0, 40.0]);
+    let folder = tempfile::tempdir().unwrap();
+    joton::output::exr::write_image(&folder.path().join("a.exr"), &bright, "").unwrap();
+    let exr = std::fs::read(folder.path().join("a.exr")).unwrap();
+    let pictures = [("r.png", &red[..]), ("k.png", &black[..]), ("b.exr", &exr[..])];
+    for (mtl, wanted) in [
+        ("map_Ke r.png", [1.0; 3]),
+        ("Ke 0 0 0\nmap_Ke r.png", [1.0; 3]),
+        ("Ke 2 3 4\nmap_Ke r.png", [2.0, 3.0, 4.0]),
+    ] {
+        let m = load("f 1/1 2/2 3/3", mtl, &pictures).unwrap().materials.remove(0);
+        assert_eq!((m.emission, m.emission_texture.is_some()), (wanted, true), "{mtl}");
+        assert_eq!(m.diffuse, [0.0; 3], "what shines and says no more is black");
+    }
+    let none = load("f 1/1 2/2 3/3", "Kd .5 .5 .5\nKe 1 1 1\nmap_Ke k.png", &pictures).unwrap();
+    assert!(!none.materials[0].emits() && none.materials[0].emission_texture.is_none());
+    let both = load("f 1/1 2/2 3/3", "map_Kd b.exr\nmap_Ke b.exr", &pictures).unwrap();
+    let m = &both.materials[0];
+    let [kd, ke] = [&m.diffuse_texture, &m.emission_texture].map(|t| t.as_ref().expect("a texture").most());
+    assert_eq!((kd, ke), ([0.5, 1.0, 1.0], [0.5, 2.0, 40.0]));
+    let with = |what: &str| from_toml(&format!("{TOML}{NAMED}{what}\n"), &pictures);
+    let scene = with("ke = { texture = \"r.png\", power = 5 }").unwrap();
+    assert_eq!(scene.materials[0].emission, [5.0; 3]);
+    for (what, words) in [
+        ("ke = { texture = \"no.png\" }", "does not exist"),
+        ("ke = { texture = \"r.png\", power = -1 }", "power is negative"),
+        ("ke = { texture = \"r.png\", blackbody = 3000 }", "unknown key"),
+    ] {
+        refused(with(what), "s.toml:9", words);
+    }
 }

@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 27] = [
+const REASONS: [Reason; 30] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -48,6 +48,9 @@ const REASONS: [Reason; 27] = [
     Reason::NoMirror,
     Reason::NoDielectric,
     Reason::NoTexture,
+    Reason::LightsAreEven,
+    Reason::NoRelief,
+    Reason::SameFacetsAllOver,
     Reason::NothingCut,
     Reason::PlainBodies,
     Reason::NothingDisperses,

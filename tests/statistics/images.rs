@@ -69,7 +69,7 @@ pub fn claim(
     }
 }
 
-fn pack(scene: &Scene) -> Arc<PackedScene> {
+pub fn pack(scene: &Scene) -> Arc<PackedScene> {
     Arc::new(PackedScene::new(scene))
 }
 
@@ -135,7 +135,7 @@ fn spheres_under_a_glowing_ceiling() -> Scene {
 }
 
 /// The scene by wavelength, its glass of heavy flint, and light of lamps that have steep spectra.
-fn by_wavelength(mut scene: Scene) -> Scene {
+pub fn by_wavelength(mut scene: Scene) -> Scene {
     for m in &mut scene.materials {
         let index = m.dielectric.and(Index::named("sf11"));
         let light =

@@ -26,6 +26,7 @@ mod recipe;
 mod renders;
 mod reservoir;
 mod rest;
+mod surfaces;
 mod visible_cells;
 mod walls;
 mod winding;

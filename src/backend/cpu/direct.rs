@@ -90,7 +90,8 @@ impl<'a> Direct<'a> {
         let g = self.g;
         let origin = lift(g.position, g.ng, g.triangle);
         let given = |l: &LightSample| self.unshadowed(l, &l.through(self.scene, g.inside, origin));
-        let Some((l, light)) = brightest(self.lights, origin, candidates, choice, given, tally) else {
+        let Some((l, light)) = brightest(self.scene, self.lights, origin, candidates, choice, given, tally)
+        else {
             return BLACK;
         };
         tally.rays += 1;
@@ -120,7 +121,7 @@ impl<'a> Direct<'a> {
         let ray = g.ray(wi);
         let (found, pdf_light) = match SurfaceInteraction::hit(self.scene, &ray) {
             Some(s) => {
-                let light = le(&s).map_or(BLACK, |le| s.through(le));
+                let light = le(&s).map_or(BLACK, |le| s.through(&le));
                 (light, self.number as f32 * pdf_light(self.lights, &s))
             }
             None => (ray.brings_from_afar(self.scene, &on_miss(wi)), 0.0),

@@ -5,7 +5,7 @@ use super::splits::Splits;
 use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_EYE_BAND, STREAM_JITTER};
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
-use crate::optics::lights::{le, on_miss};
+use crate::optics::lights::{le_seen, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction, lift};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{CLIP_GRAZING, SURE_EVENTS, SURVIVAL_MAX};
@@ -103,8 +103,8 @@ pub(super) fn follow<'a>(
         };
         length += s.distance;
         throughput = s.through(&throughput);
-        if let Some(le) = le(&s).filter(|_| is_wanted) {
-            path.emission = add(&path.emission, &sees(&throughput, le, lights.pdf(&s)));
+        if let Some(le) = le_seen(scene, &s, length).filter(|_| is_wanted) {
+            path.emission = add(&path.emission, &sees(&throughput, &le, lights.pdf(&s)));
         }
         let [u_way, u0, u1, u_survive] = random4(settings.seed, pass, pixel, DIMENSION_EYE + chain);
         let u_way = choices.get(chain as usize).copied().unwrap_or(u_way);
@@ -129,7 +129,7 @@ pub(super) fn follow<'a>(
                 position: s.position,
                 ng: s.ng,
                 front: s.front,
-                ns: s.ns,
+                ns: bsdf.shading_normal(),
                 wo: s.back,
                 throughput: scale(&throughput, ways / shares.scatter),
                 bsdf,

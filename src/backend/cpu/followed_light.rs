@@ -56,7 +56,8 @@ impl<'a> FollowedLight<'a> {
             (0..self.candidates).map(|k| sequence2(first + u64::from(k), seed, pixel, STREAM_FOLLOWED_LIGHT));
         let [choice, ..] = random4(self.seed, pass, pixel, DIMENSION_FOLLOWED + event);
         let given = |l: &LightSample| self.unshadowed(v, l);
-        let Some((l, light)) = brightest(self.lights, s.position, draws, choice, given, tally) else {
+        let Some((l, light)) = brightest(self.scene, self.lights, s.position, draws, choice, given, tally)
+        else {
             return BLACK;
         };
         tally.rays += 1;

@@ -9,7 +9,7 @@ use super::splits::Splits;
 use super::streams::{DIMENSION_GLINT, EVENTS_MAX, STREAM_GLINT_BAND, STREAM_GLINT_JITTER};
 use crate::backend::Tally;
 use crate::estimators::split_paths::{Light, Look, SplitPaths, is_mixed};
-use crate::optics::lights::{le, on_miss};
+use crate::optics::lights::{le_seen, on_miss};
 use crate::optics::ray::{Ray, SurfaceInteraction};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{PILOT_TREES, WAITING_MAX};
@@ -69,14 +69,15 @@ fn tree(
             tally.rays += 1;
             let Some(s) = SurfaceInteraction::hit(scene, &ray) else {
                 let light = ray.brings_from_afar(scene, &on_miss(ray.direction));
-                seen.emission = add(&seen.emission, &scale(&mul(&throughput, &light), weight(events, &splits, None)));
+                seen.emission =
+                    add(&seen.emission, &scale(&mul(&throughput, &light), weight(events, &splits, None)));
                 break;
             };
             length += s.distance;
             throughput = s.through(&throughput);
-            if let Some(le) = le(&s) {
+            if let Some(le) = le_seen(scene, &s, length) {
                 let weight = weight(events, &splits, Some(&s));
-                seen.emission = add(&seen.emission, &scale(&mul(&throughput, le), weight));
+                seen.emission = add(&seen.emission, &scale(&mul(&throughput, &le), weight));
                 seen.direct = events == 0;
             }
             let mut bsdf = Bsdf::seen(scene, &s, length);

@@ -89,9 +89,11 @@ pub fn mirror_lobe(material: &PackedMaterial, back: Vec3, normal: Vec3, u: [f32;
     Bsdf::new(material, frame).sample_delta(0, u)
 }
 
-/// What a texture of a scene, counted from 1, shows at texture coordinates to who sees so much of these at once.
+/// What a texture of a scene, counted from 1, shows at texture coordinates to who sees so much of these at once: red, green and blue, and
+/// the number that it is asked for.
 pub fn texture_lookup(scene: &PackedScene, number: u32, uv: [f32; 2], width: f32) -> [f32; 4] {
-    texture::lookup(&scene.textures, number, uv, width)
+    let [r, g, b, _] = texture::lookup(&scene.textures, number, uv, width);
+    [r, g, b, texture::number(&scene.textures, number, uv, width)]
 }
 
 /// What the disc of the caustic map about a place on a triangle holds \[E31\]: its radius, the area of the surface in it, and walls as

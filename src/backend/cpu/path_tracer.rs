@@ -162,7 +162,7 @@ impl<'a> Path<'a> {
             throughput = s.through(&throughput);
             if let Some(le) = le(&s) {
                 let weight = pdf_last.map_or(1.0, |pdf| pdf / (pdf + pdf_light(&scene.emitters, &s)));
-                self.found(&scale(&mul(&throughput, le), weight));
+                self.found(&scale(&mul(&throughput, &le), weight));
             }
             let [u_way, u0, u1, u_lobe] = self.random(0);
             let mut bsdf = Bsdf::at(&s);
@@ -218,7 +218,7 @@ impl<'a> Path<'a> {
     /// A shadow ray to an emitter.
     fn next_event(&mut self, s: &SurfaceInteraction, bsdf: &Bsdf, throughput: &Bands, u: [f32; 2]) {
         let origin = lift(s.position, s.ng, s.triangle);
-        let Some(l) = sample_light(&self.scene.emitters, origin, u) else { return };
+        let Some(l) = sample_light(self.scene, &self.scene.emitters, origin, u) else { return };
         let cos_s = l.wi.dot(s.ns);
         if cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
             return;
@@ -242,7 +242,7 @@ impl<'a> Path<'a> {
         shares: &Shares,
         u: [f32; 2],
     ) {
-        let Some(l) = sample_light(&self.scene.emitters, s.position, u) else { return };
+        let Some(l) = sample_light(self.scene, &self.scene.emitters, s.position, u) else { return };
         let Some(Followed { lobe, f_cos, pdf }) = bsdf.followed_from(l.wi) else { return };
         self.rays += 1;
         let is_across = l.wi.dot(s.ng) < 0.0;

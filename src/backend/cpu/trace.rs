@@ -142,11 +142,20 @@ impl Tracer<'_> {
                 return;
             }
             let kept = probabilities.carried(way, &flux);
-            let leaving = probabilities.direction(way, u_lobe, [u0, u1]);
+            let has_relief = way == SCATTERED && s.flags().has_relief();
+            let off_relief =
+                if has_relief { probabilities.bsdf.scatter_off_relief(u_lobe, [u0, u1]) } else { None };
+            let leaving = match off_relief {
+                Some((w, _)) => Some(w),
+                None if has_relief => None,
+                None => probabilities.direction(way, u_lobe, [u0, u1]),
+            };
             flux = match leaving {
                 Some(w) if way == SCATTERED => {
                     let arrives = scale(&flux, adjoint_in / probabilities.ways[way]);
-                    mul(&arrives, &scattered(&s, &probabilities.bsdf, w))
+                    let leaves = off_relief
+                        .map_or_else(|| scattered(&s, &probabilities.bsdf, w), |(_, weight)| weight);
+                    mul(&arrives, &leaves)
                 }
                 Some(w) => {
                     let through = probabilities.bsdf.flux_through_delta(way - 1, w, &flux);

@@ -96,6 +96,9 @@ impl Kernel {
             split_heap,
             no_facets: is_without("HAS_FACETS"),
             no_media: is_without("HAS_MEDIA"),
+            no_facet_textures: is_without("HAS_FACET_TEXTURES"),
+            no_relief: is_without("HAS_RELIEF"),
+            no_glow: is_without("HAS_GLOW"),
             no_textures: is_without("HAS_TEXTURES") && is_without("HAS_CUTOUTS"),
             no_followed_light: is_without("HAS_FOLLOWED_LIGHT"),
         };

@@ -19,6 +19,12 @@ pub struct Variant {
     pub split_heap: bool,
     /// No surface is of microfacets.
     pub no_facets: bool,
+    /// No microfacets vary over a surface.
+    pub no_facet_textures: bool,
+    /// No surface has a picture of normals or heights.
+    pub no_relief: bool,
+    /// Nothing shines by a texture.
+    pub no_glow: bool,
     /// No surface has a texture, and none is cut.
     pub no_textures: bool,
     /// No light sample may lie in a lobe that is followed.
@@ -38,6 +44,9 @@ impl Variant {
             "shading/undercoat.wgsl" | "shading/microfacet.wgsl" | "shading/rough_interface.wgsl" => {
                 (self.no_facets, None)
             }
+            "shading/facet_textures.wgsl" => (self.no_facet_textures, Some("shading/no_facet_textures.wgsl")),
+            "shading/relief.wgsl" => (self.no_relief, Some("shading/no_relief.wgsl")),
+            "lights/glow.wgsl" => (self.no_glow, Some("lights/no_glow.wgsl")),
             "shading/texture.wgsl" => (self.no_textures, Some("shading/no_textures.wgsl")),
             "accel/cutout.wgsl" => (self.no_textures, Some("accel/no_cutouts.wgsl")),
             "lights/followed.wgsl" => (self.no_followed_light, Some("lights/no_followed_light.wgsl")),

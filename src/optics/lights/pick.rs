@@ -27,7 +27,7 @@ pub(crate) fn by_law(
     let (number, rest) = pick(emitters, place[0]);
     let e = &emitters[number];
     let (towards, density) = guide.steer(e, towards);
-    let start = sample_le(e, [rest, place[1]], towards, 1.0 / (e.pick * count * density));
+    let start = sample_le(scene, e, [rest, place[1]], towards, 1.0 / (e.pick * count * density));
     Start { inside: scene.media.of_emitter(number), ..start }
 }
 
@@ -50,13 +50,18 @@ pub(crate) fn aimed(
 
 /// A place on one of `emitters`, picked by their probabilities; None where it shines away from `position`, or where there
 /// are none.
-pub(crate) fn sample_light(emitters: &[PackedEmitter], position: Vec3, u: [f32; 2]) -> Option<LightSample> {
+pub(crate) fn sample_light(
+    scene: &PackedScene,
+    emitters: &[PackedEmitter],
+    position: Vec3,
+    u: [f32; 2],
+) -> Option<LightSample> {
     if emitters.is_empty() {
         return None;
     }
     let (number, rest) = pick(emitters, u[0]);
     let e = &emitters[number];
-    let l = sample_li(e, position, [rest, u[1]])?;
+    let l = sample_li(scene, e, position, [rest, u[1]])?;
     Some(LightSample { irradiance: scale(&l.irradiance, 1.0 / e.pick), pdf: l.pdf * e.pick, ..l })
 }
 

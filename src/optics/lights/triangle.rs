@@ -8,6 +8,7 @@ use crate::packed::{PackedEmitter, PackedTriangle, Target};
 use crate::sampling::distributions::{cosine_hemisphere, to_world, triangle};
 use crate::spectrum::scale;
 use glam::Vec3;
+use std::f32::consts::PI;
 
 /// A place of it, lifted off its front, and the front's normal.
 fn place_on(e: &PackedEmitter, u: [f32; 2]) -> (Vec3, Vec3) {
@@ -26,10 +27,12 @@ pub(super) fn beam(e: &PackedEmitter, place: [f32; 2]) -> Beam {
 /// A start by its own law, `share` of its flux: even over the area, by the cosine.
 pub(super) fn by_law(e: &PackedEmitter, place: [f32; 2], towards: [f32; 2], share: f32) -> Start {
     let (origin, normal) = place_on(e, place);
+    // with a texture each place has a radiance of its own
+    let flux = if e.texture > 0 { scale(&e.strength, PI * e.area) } else { e.flux };
     Start {
         origin,
         direction: to_world(cosine_hemisphere(towards), normal),
-        flux: scale(&e.flux, share),
+        flux: scale(&flux, share),
         ..Start::default()
     }
 }

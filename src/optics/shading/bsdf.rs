@@ -5,11 +5,15 @@
 
 use crate::optics::shading::dielectric::in_one_band;
 use crate::optics::shading::frame::Frame;
+use crate::optics::shading::relief;
 use crate::optics::shading::{DELTA_MOST, DeltaLobe, SCATTER_MOST, ScatterLobe, delta_lobes, scatter_lobes};
 use crate::packed::PackedMaterial;
+use crate::packed::constants::ADJOINT_MAX;
+use crate::sampling::distributions::{cosine_hemisphere, to_world};
 use crate::spectrum::{BANDS, BLACK, Bands, add, max, mul, scale};
 use arrayvec::ArrayVec;
 use glam::Vec3;
+use std::f32::consts::PI;
 
 /// Throughput below this counts as none: one over it is still finite.
 const LEAST_CARRIED: f32 = 1e-37;
@@ -101,6 +105,11 @@ impl Bsdf {
         Self { frame, scatter: Scatter::of(m, frame.back, frame.ns), delta: delta_lobes(m, &frame) }
     }
 
+    /// The shading normal that its lobes turn about.
+    pub(crate) fn shading_normal(&self) -> Vec3 {
+        self.frame.ns
+    }
+
     /// Where bands part, let one go on: `u` in [0, 1), one number for a path, since from then on there is one to pick \[E36\].
     pub(crate) fn part_bands(&mut self, m: &PackedMaterial, carried: &Bands, u: impl FnOnce() -> f32) {
         if !m.parts_bands() {
@@ -144,6 +153,27 @@ impl Bsdf {
     /// f_r cosθ / pdf_solid_angle of a direction that was sampled so.
     pub(crate) fn weight_scatter(&self, wi: Vec3) -> Bands {
         self.scatter.weight(wi, self.frame.back, self.frame.ns)
+    }
+
+    /// A direction in which a joton leaves a relief by the lobes that scatter, and f_r |w·Ng| / pdf_solid_angle with what limits the
+    /// adjoint of shading normals: what is diffuse is drawn about the geometric normal, since eyes see it from all sides \[E48\].
+    pub(crate) fn scatter_off_relief(&self, u_lobe: f32, u: [f32; 2]) -> Option<(Vec3, Bands)> {
+        let Frame { back, ng, ns, .. } = self.frame;
+        let mut below = 0.0;
+        let is_chosen = |&(_, share): &(_, f32)| {
+            below += share;
+            u_lobe < below
+        };
+        let (lobe, share) = self.scatter.shares().find(is_chosen)?;
+        let (w, weight) = if lobe.is_diffuse() {
+            let w = to_world(cosine_hemisphere(u), ng);
+            (w, scale(&lobe.eval(w, back, relief::turned(ns, w)), PI))
+        } else {
+            let w = Some(lobe.sample(back, ns, u)).filter(|w| w.dot(ns) > 0.0 && w.dot(ng) > 0.0)?;
+            let adjoint = (w.dot(ng) / w.dot(ns)).min(ADJOINT_MAX);
+            (w, scale(&lobe.eval(w, back, ns), w.dot(ns) / lobe.pdf(w, back, ns) * adjoint))
+        };
+        Some((w, scale(&weight, 1.0 / share)))
     }
 
     /// A direction of a delta lobe; none below the surface.

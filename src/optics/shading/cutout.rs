@@ -1,14 +1,14 @@
 //! Cut-outs: surfaces of which some is not there \[E38\]. A ray goes straight through where a number that it and the triangle make is
 //! no less than the opacity at the hit: the same ray always does the same. Twin: shaders/accel/cutout.wgsl.
 
-use super::texture::{TexturePlace, lookup};
+use super::texture::{self, TexturePlace};
 use crate::packed::{CUT, PackedMaterial, PackedScene, Textures};
 use crate::sampling::rng::{pcg4d, unit};
 use glam::Vec3;
 
 /// How much of a surface is there.
 pub(crate) fn opacity(textures: &Textures, material: &PackedMaterial, uv: [f32; 2]) -> f32 {
-    material.opacity_texture().map_or(1.0, |number| lookup(textures, number, uv, 0.0)[3])
+    material.opacity_texture().map_or(1.0, |number| texture::number(textures, number, uv, 0.0))
 }
 
 /// Whether a ray meets a triangle, by its number and the weights of its second and third corner: it may go through.

@@ -1,11 +1,11 @@
 //! The material at a hit: what varies over a surface is looked up here. Twin: shaders/shading/material.wgsl.
 
-use super::texture;
+use super::{facet_textures, texture};
 use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::TEXTURE_PIXELS;
 use crate::packed::{PackedMaterial, PackedScene};
-use crate::spectrum::{add, from_rgb, mul, scale};
+use crate::spectrum::mul;
 
 impl Bsdf {
     /// Where a ray met a surface, with textures as fine as they are.
@@ -15,23 +15,28 @@ impl Bsdf {
 
     /// Where a ray met a surface that has come so far from the eye: of a texture it sees a part of a pixel at once \[E37\].
     pub(crate) fn seen(scene: &PackedScene, s: &SurfaceInteraction, length: f32) -> Self {
-        Self::of_width(s, TEXTURE_PIXELS * length * scene.pixel_angle())
+        Self::of_width(s, seen_width(scene, length))
     }
 
     /// To who sees so wide a part of the surface at once, internal units.
     fn of_width(s: &SurfaceInteraction, width: f32) -> Self {
-        match s.material.colour_texture() {
-            None => Self::new(s.between(), s.frame()),
-            Some(number) => {
-                let place = s.texture;
-                let [r, g, b, _] = texture::lookup(s.textures, number, place.uv, width * place.per_unit);
-                let reflected = match s.of_texel {
-                    None => from_rgb([r, g, b]),
-                    Some([red, green, blue]) => add(&add(&scale(red, r), &scale(green, g)), &scale(blue, b)),
-                };
-                let diffuse = mul(&s.material.diffuse, &reflected);
-                Self::new(&PackedMaterial { diffuse, ..*s.material }, s.frame())
-            }
+        let m = s.between();
+        let frame = if width > 0.0 { s.frame_seen(width) } else { s.frame() };
+        let place = s.texture;
+        let of_texture = width * place.per_unit;
+        let coloured = m.colour_texture().map(|number| {
+            let reflected = texture::in_bands(s.textures, s.of_texel, number, place.uv, of_texture);
+            PackedMaterial { diffuse: mul(&m.diffuse, &reflected), ..*m }
+        });
+        let m = coloured.as_ref().unwrap_or(m);
+        if m.flags().is_varied() {
+            return Self::new(&facet_textures::at(m, s.textures, place.uv, of_texture), frame);
         }
+        Self::new(m, frame)
     }
+}
+
+/// How wide a part of a surface is seen at once by a path that has come so far from the eye, internal units.
+pub(crate) fn seen_width(scene: &PackedScene, length: f32) -> f32 {
+    TEXTURE_PIXELS * length * scene.pixel_angle()
 }

@@ -5,13 +5,15 @@
 pub mod bsdf;
 pub(crate) mod cutout;
 mod dielectric;
+mod facet_textures;
 pub(crate) mod frame;
 mod fresnel;
 mod lambert;
-mod material;
+pub(crate) mod material;
 mod microfacet;
 mod mirror;
 pub mod phong;
+pub(crate) mod relief;
 mod rough_interface;
 pub(crate) mod roulette;
 pub(crate) mod texture;
@@ -79,6 +81,11 @@ impl ScatterLobe {
             Self::Phong(p) => p.sample(wo, n, u),
             Self::Microfacet(m) => m.sample(wo, n, u),
         }
+    }
+
+    /// True for light that goes into all directions by their cosine, or nearly so.
+    fn is_diffuse(&self) -> bool {
+        matches!(self, Self::Lambert(_) | Self::Undercoat(_))
     }
 
     /// True where f_r depends on directions.

@@ -1,6 +1,8 @@
 //! Textures: what a picture shows at a place of a surface \[E37\]. Twin: shaders/shading/texture.wgsl.
 
 use crate::packed::{PackedTexture, PackedTriangle, PackedUvs, TextureFlags, Textures};
+use crate::spectrum::{Bands, add, from_rgb, scale};
+use glam::Vec3;
 use half::f16;
 use std::sync::LazyLock;
 
@@ -11,6 +13,8 @@ pub(crate) struct TexturePlace {
     pub(crate) uv: [f32; 2],
     /// How many units of them a unit of length is, in the mean over directions.
     pub(crate) per_unit: f32,
+    /// How each of them grows along the surface, per unit of length.
+    pub(crate) gradients: [Vec3; 2],
 }
 
 impl TexturePlace {
@@ -21,8 +25,12 @@ impl TexturePlace {
         let (a, b) = ([u1 - u0, v1 - v0], [u2 - u0, v2 - v0]);
         let area = 2.0 * triangle.area();
         let per_unit = if area > 0.0 { ((a[0] * b[1] - b[0] * a[1]).abs() / area).sqrt() } else { 0.0 };
+        let across = triangle.e1.cross(triangle.e2);
+        let unit = across.normalize_or_zero();
+        let [along1, along2] = [triangle.e2.cross(unit), unit.cross(triangle.e1)];
+        let gradient = |k: usize| (a[k] * along1 + b[k] * along2) / area.max(f32::MIN_POSITIVE);
         let uv = [first * u0 + second * u1 + third * u2, first * v0 + second * v1 + third * v2];
-        Self { uv, per_unit }
+        Self { uv, per_unit, gradients: [gradient(0), gradient(1)] }
     }
 }
 
@@ -48,8 +56,28 @@ pub(crate) fn lookup(textures: &Textures, number: u32, [u, v]: [f32; 2], width: 
         let next = at_level(textures, t, finer as u32 + 1, coordinates);
         found = std::array::from_fn(|k| (1.0 - coarser) * found[k] + coarser * next[k]);
     }
-    let [r, g, b, a] = found;
-    [r, g, b, a * t.opacity]
+    found
+}
+
+/// Its red, green and blue in the bands of a pass, where a texel of one of these alone is so.
+pub(crate) fn in_bands(
+    textures: &Textures,
+    of_texel: Option<&[Bands; 3]>,
+    record: u32,
+    uv: [f32; 2],
+    width: f32,
+) -> Bands {
+    let [r, g, b, _] = lookup(textures, record, uv, width);
+    match of_texel {
+        None => from_rgb([r, g, b]),
+        Some([red, green, blue]) => add(&add(&scale(red, r), &scale(green, g)), &scale(blue, b)),
+    }
+}
+
+/// The one number that a texture, counted from 1, is asked for, likewise.
+pub(crate) fn number(textures: &Textures, number: u32, uv: [f32; 2], width: f32) -> f32 {
+    let t = &textures.records[number as usize - 1];
+    lookup(textures, number, uv, width)[t.channel as usize] * t.factor
 }
 
 /// The mean of the texels of a level about a place.

@@ -47,7 +47,7 @@ impl Bsdf {
         if let Some(dielectric) = material.dielectric {
             return Ok(if material.thin { Self::Pane(dielectric) } else { Self::Dielectric(dielectric) });
         }
-        if material.diffuse_texture.is_some() || material.opacity.is_some() {
+        if material.has_texture() || material.opacity.is_some() {
             let remedy = "give it a plain kd, and leave its opacity out";
             return refuse("textures and opacities are not written for other renderers", remedy);
         }

@@ -100,7 +100,7 @@ fn given(
             let lamp = (((k as f64 + shift) * stands_for) as usize).min(lamps.len() - 1);
             let [u, v, ..] = random(k as u32);
             let (emitter, rest, pick) = lamps[lamp].pick(u);
-            let l = sample_li(&scene.emitters[emitter], p.origin, [rest, v])?;
+            let l = sample_li(scene, &scene.emitters[emitter], p.origin, [rest, v])?;
             let cosine = l.wi.dot(p.normal);
             let unshadowed = sum(&l.irradiance) * f64::from(cosine / pick);
             if cosine <= 0.0 || !unshadowed.is_finite() {

@@ -210,7 +210,7 @@ fn hits(
     let start = if is_caustic {
         sample_le_aimed(scene, e, [rest, place[1]], towards, 1.0 / pick)
     } else {
-        Some(sample_le(e, [rest, place[1]], towards, 1.0 / pick))
+        Some(sample_le(scene, e, [rest, place[1]], towards, 1.0 / pick))
     };
     let (mut stored, mut hits) = (Vec::new(), Vec::new());
     let Some(Start { origin, direction, mut flux, .. }) = start else { return (stored, hits) };

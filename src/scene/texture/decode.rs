@@ -17,7 +17,7 @@ const MEMORY_PER_TEXEL: u64 = 16;
 /// What a file begins with that is OpenEXR.
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// Reads a picture; and whether some of it had to be put into the range from 0 to 1.
+/// Reads a picture; and whether some of it is outside of the range from 0 to 1.
 ///
 /// # Errors
 /// [`Error::Io`] where it cannot be read, is no picture, or is too large.
@@ -86,18 +86,18 @@ fn kept(image: DynamicImage) -> (Bitmap, bool) {
         let texels = image.into_rgba8().into_raw().as_chunks::<4>().0.to_vec();
         return (Bitmap { size, texels: Texels::Bytes(texels) }, false);
     }
-    let mut is_cut = false;
+    let mut is_wide = false;
     let floats = image.into_rgba32f().into_raw();
-    let texels = floats.as_chunks::<4>().0.iter().map(|t| halves(*t, &mut is_cut)).collect();
-    (Bitmap { size, texels: Texels::Halves(texels) }, is_cut)
+    let texels = floats.as_chunks::<4>().0.iter().map(|t| halves(*t, &mut is_wide)).collect();
+    (Bitmap { size, texels: Texels::Halves(texels) }, is_wide)
 }
 
-/// A texel in half floats, from 0 to 1.
-fn halves(texel: [f32; 4], is_cut: &mut bool) -> [f16; 4] {
+/// A texel in half floats, from 0 on.
+fn halves(texel: [f32; 4], is_wide: &mut bool) -> [f16; 4] {
     texel.map(|x| {
         // nothing is made of what is no number
-        let kept = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
-        *is_cut |= kept != x;
+        let kept = if x.is_nan() { 0.0 } else { x.clamp(0.0, f32::from(f16::MAX)) };
+        *is_wide |= !(0.0..=1.0).contains(&x);
         f16::from_f32(kept)
     })
 }
@@ -124,7 +124,7 @@ fn exr(bytes: &[u8]) -> Result<(Bitmap, bool), String> {
     struct Pixels {
         width: usize,
         texels: Vec<[f16; 4]>,
-        is_cut: bool,
+        is_wide: bool,
     }
     let reading = e::read()
         .no_deep_data()
@@ -133,10 +133,10 @@ fn exr(bytes: &[u8]) -> Result<(Bitmap, bool), String> {
             |size: e::Vec2<usize>, _: &_| Pixels {
                 width: size.width(),
                 texels: vec![[f16::ZERO; 4]; size.area()],
-                is_cut: false,
+                is_wide: false,
             },
             |pixels: &mut Pixels, at: e::Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
-                let texel = halves([r, g, b, a], &mut pixels.is_cut);
+                let texel = halves([r, g, b, a], &mut pixels.is_wide);
                 if let Some(place) = pixels.texels.get_mut(at.y() * pixels.width + at.x()) {
                     *place = texel;
                 }
@@ -148,5 +148,5 @@ fn exr(bytes: &[u8]) -> Result<(Bitmap, bool), String> {
     let image = read.and_then(|read| read).map_err(|what| unreadable(&what))?;
     let size = [image.layer_data.size.width() as u32, image.layer_data.size.height() as u32];
     let pixels = image.layer_data.channel_data.pixels;
-    Ok((Bitmap { size, texels: Texels::Halves(pixels.texels) }, pixels.is_cut))
+    Ok((Bitmap { size, texels: Texels::Halves(pixels.texels) }, pixels.is_wide))
 }

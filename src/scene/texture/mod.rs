@@ -2,6 +2,7 @@
 
 mod decode;
 pub(crate) mod entry;
+mod integral;
 pub(crate) mod stated;
 pub(crate) mod store;
 
@@ -13,7 +14,7 @@ use std::sync::Arc;
 pub enum Texels {
     /// In 8 bits each.
     Bytes(Vec<[u8; 4]>),
-    /// In half floats, linear; from 0 to 1.
+    /// In half floats, linear; from 0 to 1, of what shines beyond.
     Halves(Vec<[f16; 4]>),
 }
 
@@ -55,6 +56,68 @@ pub enum Filter {
     Nearest,
 }
 
+/// Which of a texel's numbers counts where one is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Channel {
+    /// Red: of a grey picture any.
+    Red,
+    /// Green.
+    Green,
+    /// Blue.
+    Blue,
+    /// Opacity.
+    Alpha,
+}
+
+/// A number that varies over a surface, from 0 to 1: a factor times one of a texel's numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberMap {
+    /// What it shows.
+    pub texture: Texture,
+    /// Which of its numbers.
+    pub channel: Channel,
+    /// Factor on it.
+    pub factor: f32,
+}
+
+/// A picture of which way a surface faces, or how high it is, where it has no triangles for that.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Relief {
+    /// The picture.
+    pub texture: Texture,
+    /// What its texels are.
+    pub kind: ReliefKind,
+}
+
+/// What the texels of a [`Relief`] are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReliefKind {
+    /// Normals, from -1 to 1 along the picture's right, its up, and the surface's own normal.
+    Normals {
+        /// Factor on what leads away from that.
+        strength: f32,
+    },
+    /// Heights.
+    Heights {
+        /// Which number of a texel is the height.
+        channel: Channel,
+        /// How much higher white is than black, scene units, or widths of the picture as it lies there.
+        height: f32,
+        /// In widths of the picture.
+        is_relative: bool,
+    },
+}
+
+impl ReliefKind {
+    /// Which number of a texel is asked for where one is.
+    pub(crate) fn channel(self) -> Channel {
+        match self {
+            Self::Normals { .. } => Channel::Red,
+            Self::Heights { channel, .. } => channel,
+        }
+    }
+}
+
 /// A picture, and how it lies on a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
@@ -88,6 +151,13 @@ impl Bitmap {
         Self { size: [2; 2], texels: Texels::Halves(vec![b, a, a, b]) }
     }
 
+    /// True where its texels look like normals and not like heights: coloured, and about the blue of what faces straight up.
+    pub(crate) fn is_of_normals(&self) -> bool {
+        let texture = Texture::of(Arc::new(self.clone()), Space::Linear);
+        let [r, g, b] = texture.mean();
+        b > 0.6 && (r - 0.5).abs() < 0.2 && (g - 0.5).abs() < 0.2
+    }
+
     /// One white texel.
     pub fn white() -> Self {
         Self { size: [1; 2], texels: Texels::Bytes(vec![[255; 4]]) }
@@ -112,6 +182,23 @@ impl Texture {
                 texels.iter().fold([0.0; 3], |m, t| std::array::from_fn(|k| f32::max(m[k], f32::from(t[k]))))
             }
         }
+    }
+}
+
+impl NumberMap {
+    /// The least and the most of all texels.
+    pub fn range(&self) -> [f32; 2] {
+        let k = self.channel as usize;
+        let within = |[least, most]: [f32; 2], x: f32| [least.min(x), most.max(x)];
+        let none = [f32::INFINITY, f32::NEG_INFINITY];
+        let [least, most] = match &self.texture.bitmap.texels {
+            Texels::Bytes(texels) => {
+                let bytes = texels.iter().fold([u8::MAX, 0], |[a, b], t| [a.min(t[k]), b.max(t[k])]);
+                bytes.map(|x| f32::from(x) / 255.0)
+            }
+            Texels::Halves(texels) => texels.iter().fold(none, |range, t| within(range, f32::from(t[k]))),
+        };
+        [least, most].map(|x| (x * self.factor).clamp(0.0, 1.0))
     }
 }
 

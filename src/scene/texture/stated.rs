@@ -1,6 +1,6 @@
 //! Stated: what a file says of a texture, before its picture is looked for.
 
-use super::{Filter, Space, Wrap};
+use super::{Channel, Filter, Space, Wrap};
 use std::path::PathBuf;
 
 /// What a texture shows.
@@ -33,6 +33,12 @@ pub(crate) struct StatedTexture {
     pub(crate) space: Option<Space>,
     /// What a number of 0 in the picture means, and how much more one of 1.
     pub(crate) range: [f32; 2],
+    /// Which of a texel's numbers counts where one is asked for …
+    pub(crate) channel: Channel,
+    /// … and a factor on it.
+    pub(crate) factor: f32,
+    /// How strong a relief is.
+    pub(crate) relief: f32,
     /// The user asked for it by itself: a fault is an error.
     pub(crate) is_required: bool,
 }
@@ -50,7 +56,18 @@ impl StatedTexture {
             filter: Filter::Linear,
             space: None,
             range: [0.0, 1.0],
+            channel: Channel::Red,
+            factor: 1.0,
+            relief: 1.0,
             is_required: false,
+        }
+    }
+
+    /// What it shows, in words.
+    pub(crate) fn what(&self) -> &str {
+        match &self.source {
+            Source::File(name) => name,
+            Source::Board(_) => "the board",
         }
     }
 
@@ -100,8 +117,18 @@ impl StatedTexture {
         match option {
             "-s" => self.scale = [number(0, 1.0)?, number(1, 1.0)?],
             "-o" => self.offset = [number(0, 0.0)?, number(1, 0.0)?],
+            "-bm" => self.relief = number(0, 1.0)?,
             "-mm" => self.range = [number(0, 0.0)?, number(1, 1.0)?],
             "-clamp" if values[0].eq_ignore_ascii_case("on") => self.wrap = Wrap::Clamp,
+            "-imfchan" => {
+                self.channel = match values[0] {
+                    "g" => Channel::Green,
+                    "b" => Channel::Blue,
+                    "m" => Channel::Alpha,
+                    // of a grey picture luminance is any of the three
+                    _ => Channel::Red,
+                }
+            }
             "-colorspace" => {
                 let is_srgb = values[0].eq_ignore_ascii_case("srgb");
                 self.space = Some(if is_srgb { Space::Srgb } else { Space::Linear });

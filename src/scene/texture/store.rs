@@ -1,7 +1,7 @@
 //! Store: finds and reads the pictures that textures show, each once.
 
 use super::stated::{Source, StatedTexture};
-use super::{Bitmap, Space, Texels, Texture, decode, f16};
+use super::{Bitmap, NumberMap, Space, Texels, Texture, decode, f16};
 use crate::scene::finder::Finder;
 use crate::scene::warnings::{Named, Warnings};
 use crate::{Error, Result};
@@ -16,6 +16,20 @@ pub(crate) enum Role {
     Colour,
     /// Opacity: its own, or its luminance where it has none.
     Opacity,
+    /// Numbers of whatever kind: in proportion to what they say.
+    Number,
+    /// What shines: its red, green and blue, which may be more than one.
+    Emission,
+}
+
+impl Role {
+    /// What stands in place of a picture that cannot be had.
+    fn plain(self) -> &'static str {
+        match self {
+            Self::Colour | Self::Opacity | Self::Emission => "the plain colour is",
+            Self::Number => "the plain value is",
+        }
+    }
 }
 
 /// A picture as it is asked for: file, what it is of, and the bits of the range that it is put into.
@@ -25,7 +39,8 @@ type Key = (PathBuf, Role, [u32; 2]);
 #[derive(Debug, Default)]
 pub(crate) struct Store {
     finders: HashMap<PathBuf, Finder>,
-    read: HashMap<PathBuf, Result<Arc<Bitmap>, String>>,
+    /// And whether some of it is outside of 0 to 1.
+    read: HashMap<PathBuf, Result<(Arc<Bitmap>, bool), String>>,
     /// Those that are not used as they were read.
     derived: HashMap<Key, Arc<Bitmap>>,
     boards: Vec<Arc<Bitmap>>,
@@ -53,13 +68,9 @@ impl Store {
                         let remedy = "names are relative to the scene file";
                         return Err(Error::scene(&stated.file, Some(stated.line), what, remedy));
                     }
-                    let kind = Named {
-                        noun: ["texture", "textures"],
-                        what: [
-                            " is not found; the plain colour is used",
-                            " are not found; plain colours are used",
-                        ],
-                    };
+                    let plain = role.plain();
+                    let what = ["is", "are"].map(|is| format!(" {is} not found; {plain} used"));
+                    let kind = Named { noun: ["texture", "textures"], what: [&what[0], &what[1]] };
                     warnings.add_named(&stated.file, Some(stated.line), kind, name, String::new);
                     return Ok(None);
                 };
@@ -70,7 +81,7 @@ impl Store {
                         return Err(Error::scene(&stated.file, Some(stated.line), what, remedy));
                     }
                     Err(what) => {
-                        let what = format!("{what}; the plain colour is used");
+                        let what = format!("{what}; {} used", role.plain());
                         warnings.add(&stated.file, Some(stated.line), what);
                         return Ok(None);
                     }
@@ -78,11 +89,24 @@ impl Store {
             }
         };
         let space = match (&bitmap.texels, role, stated.space) {
-            (Texels::Halves(_), ..) | (_, Role::Opacity, _) => Space::Linear,
-            (Texels::Bytes(_), Role::Colour, space) => space.unwrap_or(Space::Srgb),
+            (Texels::Halves(_), ..) | (_, Role::Opacity | Role::Number, _) => Space::Linear,
+            (Texels::Bytes(_), Role::Colour | Role::Emission, space) => space.unwrap_or(Space::Srgb),
         };
         let StatedTexture { wrap, filter, scale, offset, .. } = *stated;
         Ok(Some(Texture { bitmap, space, wrap, filter, scale, offset }))
+    }
+
+    /// The number that is stated to vary over a surface; none, with a warning, where its picture cannot be had.
+    ///
+    /// # Errors
+    /// As [`Store::texture`].
+    pub(crate) fn number(
+        &mut self,
+        stated: &StatedTexture,
+        warnings: &mut Warnings,
+    ) -> Result<Option<NumberMap>> {
+        let texture = self.texture(stated, Role::Number, warnings)?;
+        Ok(texture.map(|texture| NumberMap { texture, channel: stated.channel, factor: stated.factor }))
     }
 
     fn board(&mut self, colours: [[f32; 3]; 2]) -> Arc<Bitmap> {
@@ -111,22 +135,21 @@ impl Store {
     ) -> Result<Arc<Bitmap>, String> {
         if !self.read.contains_key(path) {
             self.files.push(path.to_owned());
-            let read = decode::read(path).map(|(bitmap, is_cut)| {
-                if is_cut {
-                    let what = format!("texture {} has values outside of 0 to 1", path.display());
-                    let what = format!("{what}, more than is reflected; they are cut");
-                    warnings.add(&stated.file, Some(stated.line), what);
-                }
-                Arc::new(bitmap)
-            });
+            let read = decode::read(path).map(|(bitmap, is_wide)| (Arc::new(bitmap), is_wide));
             self.read.insert(path.to_owned(), read.map_err(|error| error.to_string()));
         }
-        let read = match self.read.get(path) {
+        let (read, is_wide) = match self.read.get(path) {
             Some(read) => read.clone()?,
             None => return Err(format!("{} was not read", path.display())),
         };
-        let is_plain = stated.range == [0.0, 1.0];
-        if is_plain && (role == Role::Colour || has_opacity(&read)) {
+        let is_cut = is_wide && role != Role::Emission;
+        if is_cut {
+            let what = format!("texture {} has values outside of 0 to 1", path.display());
+            let what = format!("{what}, more than is reflected; they are cut");
+            warnings.add(&stated.file, Some(stated.line), what);
+        }
+        let is_plain = stated.range == [0.0, 1.0] && !is_cut;
+        if is_plain && (role != Role::Opacity || has_opacity(&read)) {
             return Ok(read);
         }
         let key = (path.to_owned(), role, stated.range.map(f32::to_bits));
@@ -154,13 +177,18 @@ fn derived(bitmap: &Bitmap, role: Role, [base, gain]: [f32; 2]) -> Bitmap {
         let luminance = r * LUMINANCE[0] + g * LUMINANCE[1] + b * LUMINANCE[2];
         match (role, by_luminance) {
             (Role::Colour, _) => [ranged(r), ranged(g), ranged(b), a],
+            (Role::Emission, _) => {
+                let [r, g, b] = [r, g, b].map(|x| (base + gain * x).clamp(0.0, f32::from(f16::MAX)));
+                [r, g, b, a]
+            }
+            (Role::Number, _) => [r, g, b, a].map(ranged),
             (Role::Opacity, true) => [ranged(luminance); 4],
             (Role::Opacity, false) => [ranged(a); 4],
         }
     };
     let texels = match &bitmap.texels {
         Texels::Bytes(texels) => {
-            let byte = |x: f32| (x * 255.0).round() as u8;
+            let byte = |x: f32| (x * 255.0).round().min(255.0) as u8;
             Texels::Bytes(texels.iter().map(|t| texel(t.map(|x| f32::from(x) / 255.0)).map(byte)).collect())
         }
         Texels::Halves(texels) => {
