@@ -58,12 +58,14 @@ fn light_in_lobes(s: Surface, b: Bsdf, w: LobeWeights, splits: Splits, trees: f3
     }
     result.rays = 1u;
     result.saved = found - 1u;
-    let origin = s.position + b.geometric * select(s.lift, -s.lift, dot(picked.wi, b.geometric) < 0.0);
-    // from there; a sun is as far from anywhere
-    let way = picked.end - origin;
-    let distance = length(way);
-    let is_far = picked.distance >= 1e30;
-    if !is_occluded(origin, select(way / max(distance, 1e-30), picked.wi, is_far), select(distance, picked.distance, is_far), picked.end) {
+    // it starts as a path does that follows the lobe, so that both meet the same
+    let start = departure(s, picked.wi, b.from_front);
+    let way = picked.end - start.origin;
+    // a sun is as far from anywhere
+    let is_sun = picked.distance >= 1e30;
+    let distance = select(length(way), picked.distance, is_sun);
+    let direction = select(way / max(length(way), 1e-30), picked.wi, is_sun);
+    if trace_ray(start.origin, direction, distance, start.t_back, true, picked.end).triangle == MISS {
         result.light = given * (reservoir.total / (candidates * max_band(given)));
     }
     return result;

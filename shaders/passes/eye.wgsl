@@ -1,6 +1,6 @@
 // Eye: one camera path per pixel, through mirrors and glass to the first diffuse surface: a gather point.
 // Emission that is met on the way, and that light samples find in lobes that are followed, goes to the film (E S* L), weighed beside that
-// of the glint kernel's trees [E25, E44].
+// of the glint kernel's trees [E25, E46].
 // reads  scene, tiles, path_filter      writes  gather_points, film_emission, status
 // import: scene/features.wgsl
 // import: camera/strip.wgsl

@@ -11,16 +11,15 @@ struct Followed {
     pdf: f32,
 }
 
-fn no_followed() -> Followed {
-    return Followed(LOBE_NONE, Bands(0.0), 0.0);
-}
-
 // True where light leaves by the lobe in more than one direction.
 fn has_width(m: PackedMaterial, lobe: u32) -> bool {
-    if has_facets(m) {
-        return is_delta(lobe) && m.alpha > 0.0;
+    if is_rough_interface(m) {
+        return lobe == LOBE_REFLECTION || lobe == LOBE_TRANSMISSION;
     }
-    return lobe == LOBE_MIRROR && m.specular_exponent > 0.0;
+    if lobe != LOBE_MIRROR || (m.flag_bits & SPECULAR) == 0u {
+        return false;
+    }
+    return select(m.specular_exponent > 0.0, m.alpha > 0.0, has_facets(m));
 }
 
 // pdf_solid_angle with which sample_delta leaves in the direction w; 0 of a lobe without a width.
@@ -49,10 +48,10 @@ fn followed_from(b: Bsdf, w: vec3<f32>) -> Followed {
         let weight = rough_weight(m, is_across, b.direction, b.shading, b.from_front, w);
         return Followed(lobe, albedo_at(b, lobe) * weight * (pdf * eta_it * eta_it), pdf);
     }
-    if is_across || (m.flag_bits & SPECULAR) == 0u {
-        return no_followed();
-    }
     let pdf = pdf_delta_at(b, LOBE_MIRROR, w);
+    if is_across || pdf <= 0.0 {
+        return Followed(LOBE_NONE, Bands(0.0), 0.0);
+    }
     if has_facets(m) {
         return Followed(LOBE_MIRROR, microfacet_eval(m, m.specular, b.shading, w, -b.direction) * dot(w, b.shading), pdf);
     }

@@ -135,7 +135,7 @@ fn boundary_between(m: PackedMaterial, from_front: bool, before: u32, beyond: u3
     boundary.iors = back.iors / front.iors;
     // nothing bends at facets where the index stays
     boundary.flag_bits &= select(~FACETS, 0xffffffffu, abs(boundary.ior - 1.0) > SAME_INDEX);
-    boundary.flag_bits |= select(0u, DISPERSIVE, front.disperses || back.disperses);
+    boundary.flag_bits |= select(0u, DISPERSIVE, (front.disperses || back.disperses) && any(abs(boundary.iors - boundary.iors.x) > Bands(SAME_INDEX)));
     return boundary;
 }
 

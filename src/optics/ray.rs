@@ -199,7 +199,19 @@ pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
     if !scene.textures.has_cutouts {
         return !scene.bvh.stands_between(&scene.triangles, from, to);
     }
-    !scene.bvh.stops_between(&scene.triangles, from, to, stops(scene, from, to - from))
+    !scene.bvh.stops_between(&scene.triangles, from, to, 0.0, stops(scene, from, to - from))
+}
+
+/// True where nothing stands between a surface that a ray leaves and a point toward which it does: what the ray would pass at its start,
+/// a shadow ray passes, too.
+pub(crate) fn reaches(scene: &PackedScene, ray: &Ray, to: Vec3) -> bool {
+    let way = to - ray.origin;
+    let t_back = ray.t_back / way.length().max(f32::MIN_POSITIVE);
+    let (bvh, triangles) = (&scene.bvh, &scene.triangles[..]);
+    if !scene.textures.has_cutouts {
+        return !bvh.stops_between(triangles, ray.origin, to, t_back, |_, _, _| true);
+    }
+    !bvh.stops_between(triangles, ray.origin, to, t_back, stops(scene, ray.origin, way))
 }
 
 /// Which triangle a ray meets first, nearer than this.

@@ -15,7 +15,7 @@ use crate::spectrum::metal::Metal;
 use crate::spectrum::pick::{Pick, rgb_matrix};
 use crate::spectrum::texel::bases_at;
 use crate::spectrum::wavelengths::Distribution;
-use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black, max, to_rgb};
+use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black, max, sum, to_rgb};
 
 /// A scene by wavelength.
 #[derive(Debug, Clone)]
@@ -237,8 +237,11 @@ fn absorption_of_rgb(rgb: &Bands) -> Spectrum {
     table.map_or(Spectrum::Constant(most), |shares| shares.scaled(-LEAST_LEFT.ln() * most))
 }
 
-/// Flux of an emitter over its strength, the same in each band.
+/// Flux of an emitter over its strength: the same in each band, and of one with a picture the mean over the bands.
 fn flux_of_strength(e: &PackedEmitter) -> f64 {
+    if e.texture > 0 {
+        return sum(&e.flux) / sum(&e.strength);
+    }
     let largest = (0..BANDS).max_by(|&a, &b| e.strength[a].total_cmp(&e.strength[b])).unwrap_or(0);
     f64::from(e.flux[largest]) / f64::from(e.strength[largest])
 }

@@ -9,6 +9,7 @@ use crate::scene::texture::ReliefKind;
 use crate::scene::{FacetKind, Facets, Inner, Material, Scene, Triangle};
 use crate::spectrum::{BANDS, BLACK, Bands, is_black};
 use glam::Vec3;
+use half::f16;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 /// [`PackedTriangle::emitter`] of a triangle that emits nothing.
@@ -154,7 +155,10 @@ impl PackedMaterial {
         let opaque = m.dielectric.is_none();
         set(!opaque, MaterialFlags::DIELECTRIC);
         set(!opaque && m.thin, MaterialFlags::THIN);
-        let smooth = |alpha: f32| if alpha < SMOOTH_ALPHA { 0.0 } else { alpha.min(1.0) };
+        let is_varied = m.facets.is_some() && (m.roughness.is_some() || m.metallic.is_some());
+        // what varies is rounded where it is looked up [E47], before it is asked whether it is followed
+        let kept = |alpha: f32| if is_varied { f16::from_f32(alpha).to_f32() } else { alpha };
+        let smooth = |alpha: f32| if kept(alpha) < SMOOTH_ALPHA { 0.0 } else { kept(alpha).min(1.0) };
         let alpha = m.facets.map_or(0.0, |f| smooth(f.alpha));
         let least_alpha = m.roughness.as_ref().map_or(alpha, |map| smooth(map.range()[0].powi(2)));
         let kind = m.facets.map(|f| f.kind).filter(|_| opaque);
@@ -189,7 +193,7 @@ impl PackedMaterial {
         set(matches!(kind, Some(FacetKind::Schlick { .. })), MaterialFlags::SCHLICK);
         set(coat.is_some_and(|ior| ior > 1.0) && has_base, MaterialFlags::COATED);
         set(opaque && (has_base || !is_black(&glossy)), MaterialFlags::STORES);
-        set(m.facets.is_some() && (m.roughness.is_some() || m.metallic.is_some()), MaterialFlags::VARIED);
+        set(is_varied, MaterialFlags::VARIED);
         set(m.metallic.is_some(), MaterialFlags::MIXED);
         let relief = m.relief.as_ref().map(|relief| relief.kind);
         set(matches!(relief, Some(ReliefKind::Normals { .. })), MaterialFlags::NORMAL_MAP);
@@ -286,12 +290,10 @@ impl PackedMaterial {
         Some(self.relief_texture >> 16).filter(|number| *number > 0)
     }
 
-    /// True for a lobe of finite width that is followed as a mirror is, if only at some places.
+    /// True for a lobe of finite width that is followed as a mirror is, if only at some places: its α is the most that a texture makes it.
     pub fn has_narrow_lobe(&self) -> bool {
         let followed = MaterialFlags::SPECULAR | MaterialFlags::DIELECTRIC;
-        self.specular_exponent > 0.0
-            || (self.is_rough() && self.flags().0 & followed != 0)
-            || self.flags().is_varied()
+        self.specular_exponent > 0.0 || (self.is_rough() && self.flags().0 & followed != 0)
     }
 
     /// True where what is stated as glossy is packed as `specular`: it is followed.
@@ -303,7 +305,8 @@ impl PackedMaterial {
     pub(crate) fn between(&self, ior: f32, iors: Bands, is_dispersive: bool) -> Self {
         // nothing bends at facets where the index stays
         let same = if (ior - 1.0).abs() > SAME_INDEX { 0 } else { MaterialFlags::FACETS };
-        let disperses = if is_dispersive { MaterialFlags::DISPERSIVE } else { 0 };
+        let parts = is_dispersive && iors.iter().any(|other| (other - iors[0]).abs() > SAME_INDEX);
+        let disperses = if parts { MaterialFlags::DISPERSIVE } else { 0 };
         let flag_bits = self.flag_bits & !(same | MaterialFlags::DISPERSIVE) | disperses;
         Self { ior, iors, flag_bits, ..*self }
     }

@@ -14,6 +14,11 @@ pub(super) fn has_emissive_surface(scene: &PackedScene) -> bool {
     scene.emitters.iter().any(|e| e.has_area())
 }
 
+/// True where some surface shines by a picture, or is dark by one.
+pub(super) fn shines_by_pictures(scene: &PackedScene) -> bool {
+    scene.triangles.iter().any(|t| scene.materials[t.material as usize].emission_texture().is_some())
+}
+
 /// True where some surface can be a gather point.
 pub(super) fn has_diffuse_surface(scene: &PackedScene) -> bool {
     scene.diffuse_area > 0.0

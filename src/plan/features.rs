@@ -70,7 +70,7 @@ impl Features {
                 Reason::SameFacetsAllOver,
             ),
             relief: needs(facts::has(scene, |m| m.has_relief()), Part::Relief, Reason::NoRelief),
-            glow: needs(scene.emitters.iter().any(|e| e.texture > 0), Part::Glow, Reason::LightsAreEven),
+            glow: needs(facts::shines_by_pictures(scene), Part::Glow, Reason::LightsAreEven),
             cutouts: needs(scene.textures.has_cutouts, Part::CutOuts, Reason::NothingCut),
             media: needs(!scene.media.is_empty(), Part::Media, Reason::PlainBodies),
             wavelengths: scene.spectra.is_some(),

@@ -85,3 +85,16 @@ fn a_picture_is_seen_as_it_shines() {
         }
     }
 }
+
+/// A lamp that lies where its picture is black is dark, whatever else shines: it is no emitter, and its material shines elsewhere.
+#[test]
+fn a_lamp_in_the_dark_of_its_picture_is_dark() {
+    let mut b = Build::new(v(0., 0., -1.), v(0., 0., 1.), 0.4, 8);
+    lamp(&mut b);
+    b.0.mesh.uvs = vec![[0.2, 0.8]; b.0.mesh.positions.len()];
+    b.point(v(3., 0., 0.), [1.0; 3]);
+    for who in everyone() {
+        let seen = render(who, &b.0, "L.*E", 4).layer(Layer::Emission);
+        assert_eq!(seen.mean, [0.0; 3], "{who:?}");
+    }
+}

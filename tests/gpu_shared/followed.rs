@@ -146,7 +146,7 @@ fn followed_lobes_are_their_formulas() {
         declarations: "",
         code: "let m = material_at(u32(in_f(0u).w)); let n = in_f(0u).xyz; let w = in_f(1u).xyz; let wo = in_f(2u).xyz;
             let front = in_f(1u).w > 0.5;
-            let f = followed_from(Bsdf(m, -wo, front, n, n, at_angle(m, n, -wo, front), Bands(1.0)), w);
+            let f = followed_from(Bsdf(m, -wo, front, n, n, at_angle(m, n, -wo, front), Bands(1.0), 0u, 0u), w);
             out_f(0u, vec4(f.f_cos, f.pdf));",
         overrides: &[],
     };

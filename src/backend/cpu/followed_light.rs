@@ -9,7 +9,7 @@ use super::streams::{DIMENSION_FOLLOWED, STREAM_FOLLOWED_LIGHT};
 use crate::backend::Tally;
 use crate::optics::lights::pick::pdf_light;
 use crate::optics::lights::samples::LightSample;
-use crate::optics::ray::{SurfaceInteraction, lift, visible};
+use crate::optics::ray::{SurfaceInteraction, reaches};
 use crate::optics::shading::bsdf::{Bsdf, Shares};
 use crate::packed::{PackedEmitter, PackedScene};
 use crate::plan::Plan;
@@ -61,8 +61,7 @@ impl<'a> FollowedLight<'a> {
             return BLACK;
         };
         tally.rays += 1;
-        let side = if l.wi.dot(s.ng) < 0.0 { -s.ng } else { s.ng };
-        if visible(self.scene, lift(s.position, side, s.triangle), l.target) { light } else { BLACK }
+        if reaches(self.scene, &s.leave(l.wi), l.target) { light } else { BLACK }
     }
 
     /// What a light sample gives if nothing shades it, with its share of the weight.

@@ -11,7 +11,7 @@ use crate::film::paths::{Event, LightPaths};
 use crate::film::{LAYERS, Layer};
 use crate::optics::lights::pick::{pdf_light, sample_light};
 use crate::optics::lights::{le, on_miss};
-use crate::optics::ray::{Ray, SurfaceInteraction, lift, visible};
+use crate::optics::ray::{Ray, SurfaceInteraction, lift, reaches, visible};
 use crate::optics::shading::bsdf::{Bsdf, Followed, Shares};
 use crate::packed::constants::SURVIVAL_MAX;
 use crate::packed::{CameraRay, PackedScene};
@@ -245,14 +245,12 @@ impl<'a> Path<'a> {
         let Some(l) = sample_light(self.scene, &self.scene.emitters, s.position, u) else { return };
         let Some(Followed { lobe, f_cos, pdf }) = bsdf.followed_from(l.wi) else { return };
         self.rays += 1;
-        let is_across = l.wi.dot(s.ng) < 0.0;
-        let side = if is_across { -s.ng } else { s.ng };
-        if !visible(self.scene, lift(s.position, side, s.triangle), l.target) {
+        if !reaches(self.scene, &s.leave(l.wi), l.target) {
             return;
         }
         let by_lobe = pdf * shares.delta[lobe] / shares.followed();
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + by_lobe) } else { 1.0 };
-        let light = l.through(self.scene, s.sides.toward(is_across), s.position);
+        let light = l.through(self.scene, s.sides.toward(l.wi.dot(s.ng) < 0.0), s.position);
         self.found(&scale(&mul(&mul(throughput, &f_cos), &light), weight));
     }
 }

@@ -5,6 +5,7 @@ use super::texture;
 use crate::packed::constants::{FOLLOWED_ALPHA, SMOOTH_ALPHA};
 use crate::packed::{MaterialFlags, PackedMaterial, Textures};
 use crate::spectrum::{BLACK, is_black, scale};
+use half::f16;
 
 /// The material at texture coordinates, to who sees so much of these at once. Its `diffuse` is the colour of base and metal there,
 /// over what its coat takes.
@@ -12,6 +13,8 @@ pub(super) fn at(m: &PackedMaterial, textures: &Textures, uv: [f32; 2], width: f
     let number = |map: Option<u32>| map.map(|map| texture::number(textures, map, uv, width).min(1.0));
     let alpha = number(m.roughness_texture()).map_or(m.alpha, |roughness| roughness * roughness);
     let metallic = number(m.metallic_texture()).unwrap_or(m.metallic);
+    // what a gather point keeps of them on a device
+    let [alpha, metallic] = [alpha, metallic].map(|x| f16::from_f32(x).to_f32());
     let alpha = if alpha < SMOOTH_ALPHA { 0.0 } else { alpha };
     let mut result = PackedMaterial { alpha, ..*m };
     let flags = m.flags();

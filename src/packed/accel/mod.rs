@@ -163,22 +163,26 @@ impl Bvh {
 
     /// True where some triangle lies between two points.
     pub fn stands_between<T: Face>(&self, triangles: &[T], from: Vec3, to: Vec3) -> bool {
-        self.stops_between(triangles, from, to, |_, _, _| true)
+        self.stops_between(triangles, from, to, 0.0, |_, _, _| true)
     }
 
     /// True where some triangle that stops a ray lies between two points: it is asked for a triangle and the weights of its second and
-    /// third vertex.
+    /// third vertex. `t_back` is as in [`Bvh::closest_from_within`], a part of the way.
     pub(crate) fn stops_between<T: Face>(
         &self,
         triangles: &[T],
         from: Vec3,
         to: Vec3,
+        t_back: f32,
         stops: impl Fn(u32, f32, f32) -> bool,
     ) -> bool {
         let direction = to - from;
         let (origin, along) = (Vec3A::from(from), Vec3A::from(direction));
         !self.wide.ray_traverse_miss(ray(from, direction, 1.0), |_, id| {
             let Some(m) = meet(origin, along, &triangles[id]) else { return f32::INFINITY };
+            if m.t <= if m.is_front { -t_back } else { t_back } {
+                return f32::INFINITY;
+            }
             let apart = m.t - 1.0;
             let is_before = if apart.abs() > m.t_error + END_ROUNDING {
                 apart < 0.0
