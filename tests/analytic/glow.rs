@@ -12,10 +12,10 @@ use std::sync::Arc;
 const TEXELS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [6.0, 0.5, 0.25], [0.25, 2.0, 0.0], [1.0, 1.0, 8.0]];
 const POWER: [f64; 3] = [1.0, 2.0, 0.5];
 
-/// A square of side 2 at z = 1 that shines down: its picture's right is +x, its up +y.
-fn lamp(b: &mut Build) {
-    let texel = |t: [f64; 3]| [t[0], t[1], t[2], 1.0].map(|x| f16::from_f32(x as f32));
-    let bitmap = Bitmap { size: [2; 2], texels: Texels::Halves(TEXELS.map(texel).to_vec()) };
+/// A square of side 2 at z = 1 that shines down by a picture: its right is +x, its up +y.
+fn shining(b: &mut Build, size: [u32; 2], texels: &[[f64; 3]]) {
+    let texel = |t: &[f64; 3]| [t[0], t[1], t[2], 1.0].map(|x| f16::from_f32(x as f32));
+    let bitmap = Bitmap { size, texels: Texels::Halves(texels.iter().map(texel).collect()) };
     let glow = Texture { filter: Filter::Nearest, ..Texture::of(Arc::new(bitmap), Space::Linear) };
     let emission = POWER.map(|x| x as f32);
     let material = Material { emission, emission_texture: Some(glow), ..matte([0.0; 3]) };
@@ -23,6 +23,10 @@ fn lamp(b: &mut Build) {
     b.0.mesh.uvs =
         b.0.mesh.positions.iter().map(|p| [0.5 + 0.5 * p.x as f32, 0.5 + 0.5 * p.y as f32]).collect();
     b.0.mesh.triangles.iter_mut().for_each(|t| t.uv = Some(t.vertex));
+}
+
+fn lamp(b: &mut Build) {
+    shining(b, [2; 2], &TEXELS);
 }
 
 /// Radiance at a place of the square.
@@ -90,9 +94,10 @@ fn a_picture_is_seen_as_it_shines() {
 #[test]
 fn a_lamp_in_the_dark_of_its_picture_is_dark() {
     let mut b = Build::new(v(0., 0., -1.), v(0., 0., 1.), 0.4, 8);
-    lamp(&mut b);
-    b.0.mesh.uvs = vec![[0.2, 0.8]; b.0.mesh.positions.len()];
-    b.point(v(3., 0., 0.), [1.0; 3]);
+    let half = |x| if x < 4 { [0.0; 3] } else { [1.0; 3] };
+    shining(&mut b, [8, 1], &std::array::from_fn::<_, 8, _>(half));
+    b.0.mesh.uvs = vec![[0.3, 0.5]; b.0.mesh.positions.len()];
+    b.ceiling(v(8., 0., 1.), 0.5, &Material { emission: [1.0; 3], ..matte([0.0; 3]) });
     for who in everyone() {
         let seen = render(who, &b.0, "L.*E", 4).layer(Layer::Emission);
         assert_eq!(seen.mean, [0.0; 3], "{who:?}");
