@@ -50,7 +50,7 @@ def main() -> None:
         # a block is the ball's material, or the shapes that stand in its place
         parts = [", ".join(part.strip().splitlines()) for part in block.group(1).split("[[shape]]")]
         if len(parts) == 1:
-            parts.append(BALL % parts[0])
+            parts.append((CUBE if "checkerboard" in parts[0] else BALL) % parts[0])
         shapes = "\n  ".join("{ %s }," % part for part in parts[1:])
         picture = folder / (name.lower().replace(" ", "-") + ".png")
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as scene:
