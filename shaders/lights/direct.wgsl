@@ -29,13 +29,6 @@ struct Receiver {
     inside: u32,
 }
 
-// The points of a sequence that light samples take: the first one, and whose sequence it is.
-struct LightDraws {
-    first: vec2<u32>,
-    path: u32,
-    stream: u32,
-}
-
 // Light of one shadow ray, and of one BSDF sample where these share the weight; without the throughput.
 struct DirectLight {
     by_light: Bands,
@@ -48,6 +41,13 @@ struct DirectLight {
 fn sample_light(p: vec3<f32>, u: vec2<f32>) -> LightSample {
     let pick = pick_emitter(u.x, pass_info.emitters);
     return sample_li(emitter_at(pick.emitter), p, vec2(pick.rest, u.y));
+}
+
+// Light sample k of some, as seen from p.
+fn light_candidate(p: vec3<f32>, draws: LightDraws, k: u32) -> LightSample {
+    let at = wide_sum(draws.first, k);
+    let seed = sequence_seed(seed_at(pass_info.seed, at.y), draws.path, draws.stream);
+    return sample_light(p, sobol2(at.x, seed));
 }
 
 // True where p may lie so near to a light that shadow rays alone have fireflies. It depends on the place
@@ -110,9 +110,7 @@ fn direct_light(r: Receiver, draws: LightDraws, u: vec4<f32>) -> DirectLight {
     var reservoir = Reservoir(0.0, u.w);
     var found = 0u;
     for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
-        let at = wide_sum(draws.first, k);
-        let seed = sequence_seed(seed_at(pass_info.seed, at.y), draws.path, draws.stream);
-        let light = sample_light(r.origin, sobol2(at.x, seed));
+        let light = light_candidate(r.origin, draws, k);
         let cos_receiver = dot(light.wi, r.shading);
         if cos_receiver > 0.0 && dot(light.wi, r.geometric) > 0.0 && max_band(light.weight) > 0.0 {
             var weight = cos_receiver;

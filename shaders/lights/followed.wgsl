@@ -4,13 +4,6 @@
 // import: lights/direct.wgsl
 // import: paths/splits.wgsl
 
-struct FollowedLight {
-    // Without the throughput, with its share of the weight.
-    light: Bands,
-    rays: u32,
-    saved: u32,
-}
-
 // pdf_solid_angle with which all the light samples of a vertex find the lit surface that a ray from there has met, after `distance`.
 fn pdf_of_lights(s: Surface, b: Bsdf, distance: f32) -> f32 {
     if s.emitter == NO_EMITTER || !b.from_front {
@@ -31,9 +24,7 @@ fn light_in_lobes(s: Surface, b: Bsdf, w: LobeWeights, splits: Splits, trees: f3
     var reservoir = Reservoir(0.0, u);
     var found = 0u;
     for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
-        let at = wide_sum(draws.first, k);
-        let seed = sequence_seed(seed_at(pass_info.seed, at.y), draws.path, draws.stream);
-        let light = sample_light(s.position, sobol2(at.x, seed));
+        let light = light_candidate(s.position, draws, k);
         let followed = followed_from(b, light.wi);
         var gives = followed.f_cos * light.weight;
         if HAS_MEDIA {

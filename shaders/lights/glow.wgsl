@@ -9,11 +9,8 @@ fn has_glow(e: PackedEmitter) -> bool {
     return HAS_GLOW && e.texture != 0u;
 }
 
-// At these weights of the triangle's second and third corner.
+// At these weights of the triangle's second and third corner, of one that has it.
 fn glow_on(e: PackedEmitter, weights: vec2<f32>) -> Bands {
-    if !has_glow(e) {
-        return Bands(1.0);
-    }
     let place = texture_place(e.triangle, triangle_at(e.triangle), weights);
     return texel_bands(texture_lookup(e.texture - 1u, place.uv, 0.0));
 }

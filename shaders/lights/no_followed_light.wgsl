@@ -1,18 +1,7 @@
 // Where no lobe that is followed has a width, or there are no lights: in place of followed.wgsl and what it imports.
 // import: shading/bsdf.wgsl
+// import: lights/samples.wgsl
 // import: paths/splits.wgsl
-
-struct LightDraws {
-    first: vec2<u32>,
-    path: u32,
-    stream: u32,
-}
-
-struct FollowedLight {
-    light: Bands,
-    rays: u32,
-    saved: u32,
-}
 
 fn pdf_delta_at(b: Bsdf, lobe: u32, w: vec3<f32>) -> f32 {
     return 0.0;

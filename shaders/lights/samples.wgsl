@@ -19,3 +19,18 @@ struct LightSample {
     // pdf_solid_angle with the pick; 0 where no BSDF sample can find the emitter.
     pdf: f32,
 }
+
+// The points of a sequence that light samples take: the first one, and whose sequence it is.
+struct LightDraws {
+    first: vec2<u32>,
+    path: u32,
+    stream: u32,
+}
+
+// What light samples find in lobes that are followed [E46].
+struct FollowedLight {
+    // Without the throughput, with its share of the weight.
+    light: Bands,
+    rays: u32,
+    saved: u32,
+}

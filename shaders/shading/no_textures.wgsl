@@ -1,12 +1,6 @@
 // Where no surface has a texture and none is cut: in place of texture.wgsl. See no_facets.wgsl.
 // import: scene/scene.wgsl
-
-struct TexturePlace {
-    uv: vec2<f32>,
-    per_unit: f32,
-    gradient_u: vec3<f32>,
-    gradient_v: vec3<f32>,
-}
+// import: shading/texture_place.wgsl
 
 fn texture_place(triangle: u32, t: PackedTriangle, b: vec2<f32>) -> TexturePlace {
     return TexturePlace(vec2(0.0), 0.0, vec3(0.0), vec3(0.0));

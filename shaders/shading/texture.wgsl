@@ -1,16 +1,8 @@
 // Textures: what a picture shows at a place of a surface [E37]. Twin: src/optics/shading/texture.rs.
 // import: scene/scene.wgsl
 // import: scene/features.wgsl
+// import: shading/texture_place.wgsl
 // reads  heap, scene_info
-
-// Texture coordinates of a place on a triangle, and how many units of them a unit of length is, in the mean over directions.
-struct TexturePlace {
-    uv: vec2<f32>,
-    per_unit: f32,
-    // How each of them grows along the surface, per unit of length.
-    gradient_u: vec3<f32>,
-    gradient_v: vec3<f32>,
-}
 
 fn texture_place(triangle: u32, t: PackedTriangle, b: vec2<f32>) -> TexturePlace {
     let at = scene_info.uvs + 2u * triangle;

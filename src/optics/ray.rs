@@ -196,22 +196,23 @@ pub(crate) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> V
 
 /// True where nothing stands between two points that are already lifted off their surfaces.
 pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
-    if !scene.textures.has_cutouts {
-        return !scene.bvh.stands_between(&scene.triangles, from, to);
-    }
-    !scene.bvh.stops_between(&scene.triangles, from, to, 0.0, stops(scene, from, to - from))
+    is_clear(scene, from, to, 0.0)
 }
 
 /// True where nothing stands between a surface that a ray leaves and a point toward which it does: what the ray would pass at its start,
 /// a shadow ray passes, too.
 pub(crate) fn reaches(scene: &PackedScene, ray: &Ray, to: Vec3) -> bool {
-    let way = to - ray.origin;
-    let t_back = ray.t_back / way.length().max(f32::MIN_POSITIVE);
+    let length = (to - ray.origin).length();
+    is_clear(scene, ray.origin, to, ray.t_back / length.max(f32::MIN_POSITIVE))
+}
+
+/// Whether nothing stops a ray between two points; `t_back` as in [`Ray`], a part of the way.
+fn is_clear(scene: &PackedScene, from: Vec3, to: Vec3, t_back: f32) -> bool {
     let (bvh, triangles) = (&scene.bvh, &scene.triangles[..]);
     if !scene.textures.has_cutouts {
-        return !bvh.stops_between(triangles, ray.origin, to, t_back, |_, _, _| true);
+        return !bvh.stops_between(triangles, from, to, t_back, |_, _, _| true);
     }
-    !bvh.stops_between(triangles, ray.origin, to, t_back, stops(scene, ray.origin, way))
+    !bvh.stops_between(triangles, from, to, t_back, stops(scene, from, to - from))
 }
 
 /// Which triangle a ray meets first, nearer than this.
