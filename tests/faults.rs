@@ -187,3 +187,32 @@ fn a_device_may_have_no_memory_and_compile_nothing() {
         }
     }
 }
+
+/// What a device has compiled is there for the next scene on it, with the bits of a device of its own; what another scene needs
+/// besides is compiled.
+#[test]
+fn a_device_compiles_each_kernel_once() {
+    device_or_return!();
+    let (plain, ring) = (Job::new("cornell", None), Job::new("ring", None));
+    let alone = |job: &Job| {
+        let (bits, counts) = job.undisturbed();
+        (bits, counts(Point::Kernel).done)
+    };
+    let ((plain_bits, plain_kernels), (ring_bits, ring_kernels)) = (alone(&plain), alone(&ring));
+    let (context, faults) = open();
+    let mut seen = 0;
+    let mut render = |job: &Job| {
+        let mut backend = job.set_up(context.clone()).unwrap_or_else(|e| panic!("{e}"));
+        let mut state = RenderState::new(job.scene.size);
+        state.go_on(&mut backend, STOP, |_| true).unwrap_or_else(|e| panic!("{e}"));
+        let compiled = faults.seen(Point::Kernel) - seen;
+        seen += compiled;
+        (bits(state), compiled)
+    };
+    assert!(render(&plain) == (plain_bits.clone(), plain_kernels));
+    assert!(render(&plain) == (plain_bits.clone(), 0));
+    let (found, compiled) = render(&ring);
+    assert!(found == ring_bits, "kernels of another scene are taken");
+    assert!((1..ring_kernels).contains(&compiled), "{compiled} of {ring_kernels}");
+    assert!(render(&plain) == (plain_bits, 0) && render(&ring) == (ring_bits, 0));
+}

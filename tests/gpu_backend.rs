@@ -5,7 +5,7 @@ mod common;
 use common::scenes::{Builder, emitter, glass, mirror};
 use glam::DVec3;
 use joton::backend::cpu::CpuBackend;
-use joton::backend::gpu::{Context, GpuBackend};
+use joton::backend::gpu::GpuBackend;
 use joton::backend::{Backend, Batch};
 use joton::film::paths::LightPaths;
 use joton::film::stats::{Estimate, test_equal};
@@ -34,9 +34,9 @@ fn with_map(settings: Settings) -> Settings {
     Settings { keep: vec![Part::DiffuseMap], ..settings }
 }
 
-/// The backend takes a device of its own.
+/// All share a device: what is compiled for one is there for the next.
 fn open(scene: &Arc<PackedScene>, settings: Settings) -> GpuBackend {
-    let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+    let context = common::device().expect("a device").clone();
     let plan = Plan::new(scene, settings);
     GpuBackend::new(context, Arc::clone(scene), plan).unwrap_or_else(|e| panic!("{e}"))
 }

@@ -67,8 +67,9 @@ pub struct Shot {
     groups: Vec<[Vec<Values>; LAYERS]>,
 }
 
-/// One device at a time: software devices share the machine's threads anyway.
-static DEVICE: Mutex<()> = Mutex::new(());
+/// The device, one renderer at a time: software devices share the machine's threads anyway. What it compiles for one test is
+/// there for the next.
+static DEVICE: Mutex<Option<Context>> = Mutex::new(None);
 
 /// Passes of the path tracer for one of a photon mapper: a single path a pixel tells little.
 const PATHS: u64 = 8;
@@ -90,13 +91,16 @@ pub fn render_keeping(renderer: Renderer, scene: &Scene, paths: &str, passes: u6
         _ if plan.has_indirect_paths() => passes * SINGLE,
         _ => passes,
     };
-    let _alone = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut device = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut backend: Box<dyn Backend> = match renderer {
         Renderer::Cpu => Box::new(CpuBackend::new(packed, plan)),
         Renderer::PathTracer => Box::new(PathTracer::new(packed, plan)),
         Renderer::Device => {
-            let context = Context::open(None)
-                .unwrap_or_else(|e| panic!("{e}\nwithout a device these tests fail, unless {OPT_OUT}=1"));
+            let open = || {
+                Context::open(None)
+                    .unwrap_or_else(|e| panic!("{e}\nwithout a device these tests fail, unless {OPT_OUT}=1"))
+            };
+            let context = device.get_or_insert_with(open).clone();
             Box::new(GpuBackend::new(context, packed, plan).expect("the scene fits the device"))
         }
     };

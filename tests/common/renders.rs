@@ -2,7 +2,7 @@
 
 use joton::backend::Backend;
 use joton::backend::cpu::{CpuBackend, PathTracer};
-use joton::backend::gpu::{Context, GpuBackend};
+use joton::backend::gpu::GpuBackend;
 use joton::film::paths::LightPaths;
 use joton::packed::PackedScene;
 use joton::plan::{Part, Plan, Settings};
@@ -38,7 +38,8 @@ pub fn open(side: Side, scene: &Arc<PackedScene>, plan: Plan) -> Box<dyn Backend
         Side::Host => Box::new(CpuBackend::new(scene, plan)),
         Side::PathTracer => Box::new(PathTracer::new(scene, plan)),
         Side::Device => {
-            let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+            // one device for all: what is compiled for one test is there for the next
+            let context = super::device().expect("a device").clone();
             Box::new(GpuBackend::new(context, scene, plan).unwrap_or_else(|e| panic!("{e}")))
         }
     }

@@ -3,7 +3,7 @@
 use crate::harness::Renderer;
 use crate::sheet::Sheet;
 use joton::backend::cpu::{CpuBackend, PathTracer};
-use joton::backend::gpu::{Context, GpuBackend};
+use joton::backend::gpu::GpuBackend;
 use joton::backend::{Backend, Batch};
 use joton::film::stats::{Estimate, test_equal};
 use joton::film::{Film, Image, Layer, Picture};
@@ -30,7 +30,7 @@ pub fn open(
         Renderer::Cpu => Box::new(CpuBackend::new(packed, plan)),
         Renderer::PathTracer => Box::new(PathTracer::new(packed, plan)),
         Renderer::Device => {
-            let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+            let context = crate::common::device().expect("a device").clone();
             Box::new(GpuBackend::new(context, packed, plan).unwrap_or_else(|e| panic!("{e}")))
         }
     }

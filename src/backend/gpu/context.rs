@@ -1,5 +1,6 @@
 //! Context: the adapters of this machine and an open device.
 
+use super::compiled::CompiledKernels;
 use super::faults::{Faults, Point};
 use crate::backend::guarded;
 use crate::error::{Error, Result};
@@ -7,7 +8,9 @@ use crate::plan::map_layout::DeviceLimits;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// An open device with its queue, and the first error that nobody caught.
+/// An open device with its queue, the kernels that it has compiled, and the first error that nobody caught. A clone is the
+/// same device: what renders on one after another compiles the same kernels once.
+#[derive(Clone)]
 pub struct Context {
     /// The device.
     pub device: wgpu::Device,
@@ -19,6 +22,8 @@ pub struct Context {
     pub limits: wgpu::Limits,
     /// Where it was opened.
     pub(super) adapter: wgpu::Adapter,
+    /// What it has compiled.
+    pub(super) compiled: Arc<CompiledKernels>,
     /// What tests make it do wrong.
     #[doc(hidden)]
     pub faults: Arc<Faults>,
@@ -128,8 +133,9 @@ impl Context {
                 *first = Some(Failure { what: format!("the device is lost{why}"), remedy: OTHER_DEVICE });
             }
         });
-        let faults = Arc::default();
-        Ok(Self { device, queue, info, limits, adapter: adapter.clone(), faults, failure })
+        let adapter = adapter.clone();
+        let (compiled, faults) = Default::default();
+        Ok(Self { device, queue, info, limits, adapter, compiled, faults, failure })
     }
 
     /// True for a device that runs on the host's processor (lavapipe, SwiftShader).

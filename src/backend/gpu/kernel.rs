@@ -1,28 +1,27 @@
 //! Kernels: WGSL to pipeline. The bindings are read off the module, so that a name in WGSL is all that ties a buffer
 //! to a kernel.
 
+use super::compiled::{Binding, Compiled, Text};
 use super::context::Context;
 use super::device_buffers::{self, Buffers};
 use super::faults::Point;
 use super::shaders::{self, Variant};
 use crate::error::{Error, Result};
 use crate::plan::buffers::RING_BYTES;
+use std::sync::Arc;
 
 /// A compiled kernel.
 pub struct Kernel {
     label: String,
     recipe: Recipe,
-    pipeline: wgpu::ComputePipeline,
-    layouts: Vec<wgpu::BindGroupLayout>,
-    bindings: Vec<Binding>,
+    compiled: Arc<Compiled>,
 }
 
 /// What a kernel is compiled from.
 #[derive(Debug, Clone)]
 pub(super) struct Recipe {
     /// Name of the file.
-    file: String,
-    source: String,
+    path: String,
     entry: String,
     overrides: Vec<(String, f64)>,
 }
@@ -34,18 +33,8 @@ impl Recipe {
     /// [`Error::Device`] where it does not compile.
     pub(super) fn cook(&self, context: &Context) -> Result<Kernel> {
         let overrides: Vec<(&str, f64)> = self.overrides.iter().map(|(n, v)| (n.as_str(), *v)).collect();
-        Kernel::from_source(context, &self.file, &self.source, &self.entry, &overrides)
+        Kernel::new(context, &self.path, &self.entry, &overrides)
     }
-}
-
-/// One binding of a kernel.
-#[derive(Debug, Clone)]
-struct Binding {
-    group: u32,
-    binding: u32,
-    name: String,
-    /// Size of a uniform's struct.
-    uniform_size: Option<u64>,
 }
 
 /// Uniforms that differ from dispatch to dispatch, bound with an offset into the ring …
@@ -79,8 +68,8 @@ const WORKGROUP: u32 = 64;
 const GROUPS_MAX: u32 = 65_535;
 
 impl Kernel {
-    /// Compile `entry` of a shader file with values for its overrides (those it does not declare are left out). The scene
-    /// is read from uniform buffers where one of them is `SMALL_SCENE`, not 0.
+    /// Compile `entry` of a shader file with values for its overrides (those it does not declare are left out), or take what
+    /// this device has compiled of it. The scene is read from uniform buffers where one of them is `SMALL_SCENE`, not 0.
     ///
     /// # Errors
     /// [`Error::Device`] where the shader does not compile.
@@ -102,7 +91,17 @@ impl Kernel {
             no_textures: is_without("HAS_TEXTURES") && is_without("HAS_CUTOUTS"),
             no_followed_light: is_without("HAS_FOLLOWED_LIGHT"),
         };
-        Self::from_source(context, path, &shaders::link(path, variant)?, entry, overrides)
+        let text = Text { path: path.into(), entry: entry.into(), variant };
+        let compiled = match context.compiled.get(&text, overrides) {
+            Some(compiled) => compiled,
+            None => {
+                let source = shaders::link(path, variant)?;
+                let compiled = Arc::new(compile(context, path, &source, entry, overrides)?);
+                context.compiled.keep(text, overrides, &compiled);
+                compiled
+            }
+        };
+        Ok(Self::of(path, entry, overrides, compiled))
     }
 
     /// Like [`Kernel::new`] for a linked text.
@@ -116,57 +115,17 @@ impl Kernel {
         entry: &str,
         overrides: &[(&str, f64)],
     ) -> Result<Self> {
-        let failed =
-            |what: String| Error::device(format!("{label}: {what}"), "report this as a bug of joton");
-        let module = naga::front::wgsl::parse_str(source)
-            .map_err(|e| failed(e.emit_to_string_with_path(source, label)))?;
-        let bindings = reflect(&module);
-        let constants: Vec<(&str, f64)> = overrides
-            .iter()
-            .copied()
-            .filter(|(name, _)| module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(name)))
-            .collect();
-        let groups = bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
-        let layouts: Vec<wgpu::BindGroupLayout> = (0..groups)
-            .map(|group| {
-                let entries: Vec<wgpu::BindGroupLayoutEntry> =
-                    bindings.iter().filter(|b| b.group == group).map(|b| b.layout_entry(&module)).collect();
-                context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: Some(label),
-                    entries: &entries,
-                })
-            })
-            .collect();
-        let layout_refs: Vec<Option<&wgpu::BindGroupLayout>> = layouts.iter().map(Some).collect();
-        let pipeline_layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &layout_refs,
-            immediate_size: 0,
-        });
-        let shader = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        let found = if context.faults.strike(Point::Kernel) { "missing" } else { entry };
-        let pipeline = context.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(label),
-            layout: Some(&pipeline_layout),
-            module: &shader,
-            entry_point: Some(found),
-            cache: None,
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &constants,
-                zero_initialize_workgroup_memory: false,
-            },
-        });
-        context.check()?;
+        let compiled = Arc::new(compile(context, label, source, entry, overrides)?);
+        Ok(Self::of(label, entry, overrides, compiled))
+    }
+
+    fn of(path: &str, entry: &str, overrides: &[(&str, f64)], compiled: Arc<Compiled>) -> Self {
         let recipe = Recipe {
-            file: label.into(),
-            source: source.into(),
+            path: path.into(),
             entry: entry.into(),
             overrides: overrides.iter().map(|(n, v)| (n.to_string(), *v)).collect(),
         };
-        Ok(Self { label: label_of(label, entry), recipe, pipeline, layouts, bindings })
+        Self { label: label_of(path, entry), recipe, compiled }
     }
 
     /// What it was compiled from.
@@ -196,8 +155,8 @@ impl Kernel {
         };
         let mut groups = Vec::new();
         let mut dynamic = Vec::new();
-        for (group, layout) in self.layouts.iter().enumerate() {
-            let here = || self.bindings.iter().filter(move |b| b.group == group as u32);
+        for (group, layout) in self.compiled.layouts.iter().enumerate() {
+            let here = || self.compiled.bindings.iter().filter(move |b| b.group == group as u32);
             let mut entries = Vec::new();
             for b in here() {
                 let buffer = buffer_of(b)?;
@@ -221,7 +180,12 @@ impl Kernel {
             dynamic.push(here().filter(|b| is_dynamic(&b.name)).map(|b| b.name.clone()).collect());
         }
         context.check()?;
-        Ok(BoundKernel { label: self.label.clone(), pipeline: self.pipeline.clone(), groups, dynamic })
+        Ok(BoundKernel {
+            label: self.label.clone(),
+            pipeline: self.compiled.pipeline.clone(),
+            groups,
+            dynamic,
+        })
     }
 
     /// Bind buffers of its own, as small as they can be, with zeros in them; and the buffer of the ring.
@@ -234,8 +198,8 @@ impl Kernel {
         buffers.insert("ring", ring.clone());
         // names of buffers live as long as the program: each binding gets one of these
         let names: Vec<(&str, &'static str)> =
-            self.bindings.iter().zip(NOTHING).map(|(b, name)| (b.name.as_str(), name)).collect();
-        for (b, (_, name)) in self.bindings.iter().zip(&names) {
+            self.compiled.bindings.iter().zip(NOTHING).map(|(b, name)| (b.name.as_str(), name)).collect();
+        for (b, (_, name)) in self.compiled.bindings.iter().zip(&names) {
             let buffer = match b.uniform_size {
                 Some(size) => device_buffers::uniform(context, name, size)?,
                 None => device_buffers::storage(context, name, NOTHING_BYTES)?,
@@ -244,6 +208,64 @@ impl Kernel {
         }
         Ok((self.bind(context, &buffers, &names)?, ring))
     }
+}
+
+/// Compile `entry` of a text.
+///
+/// # Errors
+/// [`Error::Device`] where it does not compile.
+fn compile(
+    context: &Context,
+    label: &str,
+    source: &str,
+    entry: &str,
+    overrides: &[(&str, f64)],
+) -> Result<Compiled> {
+    let failed = |what: String| Error::device(format!("{label}: {what}"), "report this as a bug of joton");
+    let module = naga::front::wgsl::parse_str(source)
+        .map_err(|e| failed(e.emit_to_string_with_path(source, label)))?;
+    let bindings = reflect(&module);
+    let constants: Vec<(&str, f64)> = overrides
+        .iter()
+        .copied()
+        .filter(|(name, _)| module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(name)))
+        .collect();
+    let groups = bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
+    let layouts: Vec<wgpu::BindGroupLayout> = (0..groups)
+        .map(|group| {
+            let entries: Vec<wgpu::BindGroupLayoutEntry> =
+                bindings.iter().filter(|b| b.group == group).map(|b| layout_entry(b, &module)).collect();
+            context.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries: &entries,
+            })
+        })
+        .collect();
+    let layout_refs: Vec<Option<&wgpu::BindGroupLayout>> = layouts.iter().map(Some).collect();
+    let pipeline_layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &layout_refs,
+        immediate_size: 0,
+    });
+    let shader = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let found = if context.faults.strike(Point::Kernel) { "missing" } else { entry };
+    let pipeline = context.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(label),
+        layout: Some(&pipeline_layout),
+        module: &shader,
+        entry_point: Some(found),
+        cache: None,
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            zero_initialize_workgroup_memory: false,
+        },
+    });
+    context.check()?;
+    let overrides = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
+    Ok(Compiled { pipeline, layouts, bindings, overrides })
 }
 
 /// Names of the buffers of a kernel that is run on nothing: as many as a kernel can bind.
@@ -261,28 +283,27 @@ fn label_of(path: &str, entry: &str) -> String {
     if entry == "main" { stem.to_string() } else { format!("{stem} {entry}") }
 }
 
-impl Binding {
-    fn layout_entry(&self, module: &naga::Module) -> wgpu::BindGroupLayoutEntry {
-        let variable = module
-            .global_variables
-            .iter()
-            .find(|(_, v)| v.name.as_deref() == Some(self.name.as_str()))
-            .map(|(_, v)| v.space);
-        let read_only = matches!(variable, Some(naga::AddressSpace::Storage { access }) if !access.contains(naga::StorageAccess::STORE));
-        wgpu::BindGroupLayoutEntry {
-            binding: self.binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: if self.uniform_size.is_some() {
-                    wgpu::BufferBindingType::Uniform
-                } else {
-                    wgpu::BufferBindingType::Storage { read_only }
-                },
-                has_dynamic_offset: is_dynamic(&self.name),
-                min_binding_size: None,
+/// What a pipeline asks of the buffer of a binding.
+fn layout_entry(binding: &Binding, module: &naga::Module) -> wgpu::BindGroupLayoutEntry {
+    let variable = module
+        .global_variables
+        .iter()
+        .find(|(_, v)| v.name.as_deref() == Some(binding.name.as_str()))
+        .map(|(_, v)| v.space);
+    let read_only = matches!(variable, Some(naga::AddressSpace::Storage { access }) if !access.contains(naga::StorageAccess::STORE));
+    wgpu::BindGroupLayoutEntry {
+        binding: binding.binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: if binding.uniform_size.is_some() {
+                wgpu::BufferBindingType::Uniform
+            } else {
+                wgpu::BufferBindingType::Storage { read_only }
             },
-            count: None,
-        }
+            has_dynamic_offset: is_dynamic(&binding.name),
+            min_binding_size: None,
+        },
+        count: None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod area_samples;
 mod batches;
+mod compiled;
 mod context;
 mod device_buffers;
 #[doc(hidden)]

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 pub const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// Which of two files a kernel is linked with.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct Variant {
     /// Lanes share loads by subgroup operations.
     pub subgroups: bool,
