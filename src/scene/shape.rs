@@ -154,12 +154,7 @@ impl Shape {
             Self::Cylinder { radius, height, axis, is_capped, tolerance } => {
                 cylinder(radius, axis * (height / 2.0), is_capped, corners(tolerance))
             }
-            Self::Prism { radius, sides, height, axis } => {
-                let mut mesh = cylinder(radius, axis * (height / 2.0), true, sides);
-                mesh.normals.clear();
-                mesh.triangles.iter_mut().for_each(|t| t.normal = None);
-                mesh
-            }
+            Self::Prism { radius, sides, height, axis } => prism(radius, axis * (height / 2.0), sides),
         }
     }
 }
@@ -247,47 +242,91 @@ fn circle(facing: DVec3, count: u32) -> impl Iterator<Item = DVec3> {
 
 /// A flat disc: triangles about its centre.
 fn disc(mesh: &mut Mesh, center: DVec3, facing: DVec3, radius: f64, corners: u32) {
-    let first = mesh.positions.len() as u32;
-    mesh.positions.push(center);
+    let rim = mesh.positions.len() as u32;
     mesh.positions.extend(circle(facing, corners).map(|p| center + p * radius));
-    for i in 0..corners {
-        let vertex = [first, first + 1 + i, first + 1 + (i + 1) % corners];
-        mesh.triangles.push(Triangle { vertex, normal: None, uv: None, material: 0 });
+    let rim: Vec<u32> = (rim..rim + corners).collect();
+    fan(mesh, center, facing, radius, &rim);
+}
+
+/// A flat disc whose rim, counter-clockwise as seen from where it faces, is there already: triangles about its centre. A picture on it
+/// is as one on a rectangle around it.
+fn fan(mesh: &mut Mesh, center: DVec3, facing: DVec3, radius: f64, rim: &[u32]) {
+    let [across, along] = sides(facing);
+    let [middle, middle_uv] = [mesh.positions.len(), mesh.uvs.len()].map(|n| n as u32);
+    mesh.positions.push(center);
+    mesh.uvs.push([0.5; 2]);
+    for &i in rim {
+        let from_center = (mesh.positions[i as usize] - center) / radius;
+        mesh.uvs.push([across, along].map(|side| (0.5 + 0.5 * from_center.dot(side)) as f32));
+    }
+    for (i, k) in (0..rim.len()).map(|i| (i, (i + 1) % rim.len())) {
+        mesh.triangles.push(Triangle {
+            vertex: [middle, rim[i], rim[k]],
+            normal: None,
+            uv: Some([middle_uv, middle_uv + 1 + i as u32, middle_uv + 1 + k as u32]),
+            material: 0,
+        });
     }
 }
 
-fn cylinder(radius: f64, half: DVec3, is_capped: bool, corners: u32) -> Mesh {
-    let mut mesh = Mesh::default();
-    let facing = half.normalize();
-    let rim: Vec<DVec3> = circle(facing, corners).collect();
-    for end in [-half, half] {
-        mesh.positions.extend(rim.iter().map(|p| end + *p * radius));
+/// The rims of a tube about the origin, the lower one first, counter-clockwise as seen from where `half` points.
+fn rims(radius: f64, half: DVec3, corners: u32) -> Mesh {
+    let rim = || circle(half.normalize(), corners).map(|p| p * radius);
+    Mesh {
+        positions: [-half, half].into_iter().flat_map(|end| rim().map(move |p| end + p)).collect(),
+        ..Mesh::default()
     }
-    mesh.normals = rim.iter().map(|p| p.as_vec3()).collect();
-    for i in 0..corners {
-        let next = (i + 1) % corners;
-        for corner in [[(i, 0), (next, 0), (next, 1)], [(i, 0), (next, 1), (i, 1)]] {
-            let vertex = corner.map(|(at, end)| end * corners + at);
+}
+
+/// The flat ends of a tube: their rims are those of its side, so that the body is closed.
+fn caps(mesh: &mut Mesh, radius: f64, half: DVec3, corners: u32) {
+    let [lower, upper]: [Vec<u32>; 2] = [(0..corners).rev().collect(), (corners..2 * corners).collect()];
+    let facing = half.normalize();
+    fan(mesh, -half, -facing, radius, &lower);
+    fan(mesh, half, facing, radius, &upper);
+}
+
+/// The two triangles between corner `i` of the rims and the next one; each corner as its place on the rim, counted on past the
+/// last, and its end.
+fn panel(i: u32) -> [[(u32, u32); 3]; 2] {
+    [[(i, 0), (i + 1, 0), (i + 1, 1)], [(i, 0), (i + 1, 1), (i, 1)]]
+}
+
+/// A picture goes around it once, from its back on; the middle is where a sphere's is.
+fn cylinder(radius: f64, half: DVec3, is_capped: bool, corners: u32) -> Mesh {
+    let mut mesh = rims(radius, half, corners);
+    mesh.normals = circle(half.normalize(), corners).map(|p| p.as_vec3()).collect();
+    let around = |k: u32| (f64::from(k) / f64::from(corners)) as f32;
+    mesh.uvs = (0..=corners).flat_map(|k| [0.0, 1.0].map(|up| [around(k), up])).collect();
+    let back = corners / 4;
+    for k in 0..corners {
+        for panel in panel(k) {
+            let on_rim = panel.map(|(k, end)| ((k + back) % corners, end));
             mesh.triangles.push(Triangle {
-                vertex,
-                normal: Some(corner.map(|(at, _)| at)),
-                uv: None,
+                vertex: on_rim.map(|(i, end)| end * corners + i),
+                normal: Some(on_rim.map(|(i, _)| i)),
+                uv: Some(panel.map(|(k, end)| 2 * k + end)),
                 material: 0,
             });
         }
     }
     if is_capped {
-        // the rim is that of the side: the body is closed
-        for (end, center) in [-half, half].into_iter().enumerate() {
-            let middle = mesh.positions.len() as u32;
-            mesh.positions.push(center);
-            for i in 0..corners {
-                let [a, b] = [i, (i + 1) % corners].map(|at| end as u32 * corners + at);
-                let vertex = if end == 1 { [middle, a, b] } else { [middle, b, a] };
-                mesh.triangles.push(Triangle { vertex, normal: None, uv: None, material: 0 });
-            }
+        caps(&mut mesh, radius, half, corners);
+    }
+    mesh
+}
+
+/// Each of its sides has the whole of a picture.
+fn prism(radius: f64, half: DVec3, sides: u32) -> Mesh {
+    let mut mesh = rims(radius, half, sides);
+    mesh.uvs.extend(SQUARE);
+    for i in 0..sides {
+        for (panel, uv) in panel(i).into_iter().zip([[0, 1, 2], [0, 2, 3]]) {
+            let vertex = panel.map(|(i, end)| end * sides + i % sides);
+            mesh.triangles.push(Triangle { vertex, normal: None, uv: Some(uv), material: 0 });
         }
     }
+    caps(&mut mesh, radius, half, sides);
     mesh
 }
 
@@ -346,15 +385,45 @@ fn sphere(radius: f64, tolerance: f64) -> Mesh {
         }
         faces = finer;
     }
-    Mesh {
+    let mut mesh = Mesh {
         positions: points.iter().map(|p| *p * radius).collect(),
         normals: points.iter().map(|p| p.as_vec3()).collect(),
-        uvs: Vec::new(),
-        triangles: faces
-            .into_iter()
-            .map(|vertex| Triangle { vertex, normal: Some(vertex), uv: None, material: 0 })
-            .collect(),
+        uvs: Vec::with_capacity(points.len()),
+        triangles: Vec::with_capacity(faces.len()),
+    };
+    let on_map: Vec<DVec2> = points.iter().map(|p| longitude_latitude(*p)).collect();
+    mesh.uvs.extend(on_map.iter().map(|uv| uv.as_vec2().to_array()));
+    for vertex in faces {
+        let corners = vertex.map(|v| on_map[v as usize]);
+        // where a triangle's corners lie on one side of the back, their places on the map are shared
+        let mut uv = vertex;
+        let settled = around_the_back(corners);
+        for k in 0..3 {
+            if settled[k] != corners[k] {
+                uv[k] = mesh.uvs.len() as u32;
+                mesh.uvs.push(settled[k].as_vec2().to_array());
+            }
+        }
+        mesh.triangles.push(Triangle { vertex, normal: Some(vertex), uv: Some(uv), material: 0 });
     }
+    mesh
+}
+
+/// Where a point of the unit sphere is on a map of the world, whose middle faces along z and whose upper edge is the pole along y.
+fn longitude_latitude(p: DVec3) -> DVec2 {
+    DVec2::new(0.5 + p.x.atan2(p.z) / TAU, 0.5 + p.y.atan2(p.x.hypot(p.z)) / PI)
+}
+
+/// Corners on the map whose triangle does not reach across all of it: those left of the middle go on beyond its right edge where
+/// others lie far to the right. A pole has the longitude that is between the others.
+fn around_the_back(corners: [DVec2; 3]) -> [DVec2; 3] {
+    let is_pole = |c: DVec2| c.y < 1e-9 || c.y > 1.0 - 1e-9;
+    let right = corners.into_iter().filter(|c| !is_pole(*c)).map(|c| c.x).fold(0.0, f64::max);
+    let mut settled = corners.map(|c| if right - c.x > 0.5 { c + DVec2::X } else { c });
+    if let Some(pole) = corners.into_iter().position(is_pole) {
+        settled[pole].x = (settled[(pole + 1) % 3].x + settled[(pole + 2) % 3].x) / 2.0;
+    }
+    settled
 }
 
 /// How far the triangles come from the unit sphere.
@@ -439,6 +508,44 @@ mod tests {
                     assert!(front.dot(n) > 0.999 && (n.length() - 1.0).abs() < 1e-6, "{shape:?}");
                 }
             }
+        }
+    }
+
+    /// Pictures are not mirrored, and cover what they are said to: a sphere and the side of a cylinder once, each side of a prism and
+    /// of a cube, what is around a disc. Their middles face along z, up is up.
+    #[test]
+    fn pictures_lie_on_shapes() {
+        let at = |mesh: &Mesh, t: &Triangle| {
+            let uv = t.uv.expect("coordinates").map(|i| mesh.uvs[i as usize].map(f64::from));
+            (uv.map(DVec2::from), t.vertex.map(|v| mesh.positions[v as usize]))
+        };
+        let area = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a) / 2.0;
+        let disc = PI / 4.0;
+        let triangle_ends = 2.0 * 3.0 * 3f64.sqrt() / 16.0;
+        let areas = [1.0, 6.0, 1.0 + 2.0 * disc, 3.0 + triangle_ends, 1.0, disc];
+        for (shape, area_of_all) in all().iter().zip(areas) {
+            let mesh = shape.mesh();
+            let areas: Vec<f64> = mesh.triangles.iter().map(|t| area(at(&mesh, t).0)).collect();
+            assert!(areas.iter().all(|a| *a > 0.0), "{shape:?} mirrors");
+            // the triangles at the poles of a sphere lack half of what is there
+            let found = areas.iter().sum::<f64>();
+            assert!((found / area_of_all - 1.0).abs() < 0.02, "{shape:?}: {found}, not {area_of_all}");
+        }
+        let sphere = all()[0].mesh();
+        for (uv, p) in sphere.triangles.iter().map(|t| at(&sphere, t)) {
+            let (uv, p) = ((uv[0] + uv[1] + uv[2]) / 3.0, (p[0] + p[1] + p[2]).normalize());
+            let (east, up) = (TAU * (uv.x - 0.5), PI * (uv.y - 0.5));
+            let there = DVec3::new(east.sin() * up.cos(), up.sin(), east.cos() * up.cos());
+            assert!(there.distance(p) < 0.02, "{uv} is at {p}, not {there}");
+        }
+        // a can whose axis is upright, seen from in front: the picture's middle, the right of it to the right
+        let can = cylinder(1.0, DVec3::Y, true, corners(1e-3));
+        let side = can.triangles.iter().filter(|t| t.normal.is_some());
+        let corner = |(uv, p): ([DVec2; 3], [DVec3; 3])| [0, 1, 2].map(|k| (uv[k], p[k]));
+        for (uv, p) in side.flat_map(|t| corner(at(&can, t))) {
+            let east = TAU * (uv.x - 0.5);
+            let there = DVec3::new(east.sin(), 2.0 * uv.y - 1.0, east.cos());
+            assert!(there.distance(p) < 1e-6, "{uv} is at {p}, not {there}");
         }
     }
 
