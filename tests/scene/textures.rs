@@ -1,7 +1,7 @@
 //! Textures: coordinates, pictures, and what MTL and scene files say of them.
 
 use crate::folder::{Folder, refused, warned};
-use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, Rgba, RgbaImage};
 use joton::Error;
 use joton::scene::Scene;
 use joton::scene::texture::{Channel, Filter, ReliefKind, Space, Texels, Wrap};
@@ -170,6 +170,42 @@ fn linear_pictures_are_halves() {
         let most = texture.most();
         assert!([0.25, 0.5, 1.0].iter().zip(most).all(|(a, b)| (a - b).abs() < 0.005), "{name}: {most:?}");
     }
+}
+
+/// What files of 16 bits say is finer than a byte; colours are encoded unless something else is said, numbers are not, and `-mm` counts
+/// before that.
+#[test]
+fn sixteen_bits_are_kept() {
+    let grey = |x: u16| {
+        let image = DynamicImage::ImageLuma16(ImageBuffer::from_pixel(2, 2, Luma([x])));
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    };
+    let of = |mtl: &str, x: u16| {
+        let scene = load("f 1/1 2/2 3/3 4/4", mtl, &[("a.png", &grey(x))]).unwrap();
+        let material = scene.materials.into_iter().find(|m| m.name == "m").unwrap();
+        let roughness = material.roughness.map(|map| map.texture);
+        let texture = material.diffuse_texture.or(roughness).unwrap();
+        let Texels::Halves(texels) = &texture.bitmap.texels else { panic!("{:?}", texture.bitmap) };
+        assert_eq!(texture.space, Space::Linear);
+        f64::from(texels[0][0])
+    };
+    let srgb = |x: f64| ((x + 0.055) / 1.055).powf(2.4);
+    for x in [20_000u16, 20_100] {
+        let part = f64::from(x) / 65_535.0;
+        let halves = 2f64.powi(-11);
+        for (mtl, value) in [
+            ("map_Kd a.png", srgb(part)),
+            ("map_Kd -colorspace linear a.png", part),
+            ("map_Kd -mm 0.25 0.5 a.png", srgb(0.25 + 0.5 * part)),
+            ("Pr 1\nmap_Pr a.png", part),
+        ] {
+            let found = of(mtl, x);
+            assert!((found / value - 1.0).abs() < 3.0 * halves, "{mtl}, {x}: {found}, not {value}");
+        }
+    }
+    assert!(of("map_Kd a.png", 20_000) < of("map_Kd a.png", 20_100));
 }
 
 /// A picture that is cut, empty, no picture, or not there leaves the plain colour of an MTL, with a warning; in a scene file that is an

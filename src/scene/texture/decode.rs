@@ -9,6 +9,7 @@ use exr::prelude::{ReadChannels as _, ReadLayers as _};
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Texels across and down, at most.
 const SIDE_MOST: u32 = 16_384;
@@ -17,11 +18,21 @@ const MEMORY_PER_TEXEL: u64 = 16;
 /// What a file begins with that is OpenEXR.
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// Reads a picture; and whether some of it is outside of the range from 0 to 1.
+/// A picture as its file has it.
+#[derive(Debug, Clone)]
+pub(super) struct Picture {
+    pub(super) bitmap: Arc<Bitmap>,
+    /// Some of it is outside of the range from 0 to 1.
+    pub(super) is_wide: bool,
+    /// Its half floats are numbers of a file of 16 bits, which may be encoded as those of 8 bits are.
+    pub(super) may_be_encoded: bool,
+}
+
+/// Reads a picture.
 ///
 /// # Errors
 /// [`Error::Io`] where it cannot be read, is no picture, or is too large.
-pub(super) fn read(path: &Path) -> Result<(Bitmap, bool)> {
+pub(super) fn read(path: &Path) -> Result<Picture> {
     let bytes = files::read(path)?;
     let fail = |what: String| Error::io(path, "read", what);
     let check = |[width, height]: [u32; 2]| {
@@ -79,17 +90,24 @@ impl<'a> Decoder<'a> {
     }
 }
 
-/// Texels as they are kept.
-fn kept(image: DynamicImage) -> (Bitmap, bool) {
+/// Texels as they are kept: bytes as bytes, what is finer in half floats.
+fn kept(image: DynamicImage) -> Picture {
     let size = [image.width(), image.height()];
-    if !matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)) {
+    let of = |texels, is_wide, may_be_encoded| Picture {
+        bitmap: Arc::new(Bitmap { size, texels }),
+        is_wide,
+        may_be_encoded,
+    };
+    let sample = image.color();
+    if sample.bytes_per_pixel() == sample.channel_count() {
         let texels = image.into_rgba8().into_raw().as_chunks::<4>().0.to_vec();
-        return (Bitmap { size, texels: Texels::Bytes(texels) }, false);
+        return of(Texels::Bytes(texels), false, false);
     }
+    let is_float = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
     let mut is_wide = false;
     let floats = image.into_rgba32f().into_raw();
     let texels = floats.as_chunks::<4>().0.iter().map(|t| halves(*t, &mut is_wide)).collect();
-    (Bitmap { size, texels: Texels::Halves(texels) }, is_wide)
+    of(Texels::Halves(texels), is_wide, !is_float)
 }
 
 /// A texel in half floats, from 0 on.
@@ -120,7 +138,7 @@ fn exr_size(bytes: &[u8]) -> Result<[u32; 2], String> {
     Ok([side(header.layer_size.width()), side(header.layer_size.height())])
 }
 
-fn exr(bytes: &[u8]) -> Result<(Bitmap, bool), String> {
+fn exr(bytes: &[u8]) -> Result<Picture, String> {
     struct Pixels {
         width: usize,
         texels: Vec<[f16; 4]>,
@@ -148,5 +166,6 @@ fn exr(bytes: &[u8]) -> Result<(Bitmap, bool), String> {
     let image = read.and_then(|read| read).map_err(|what| unreadable(&what))?;
     let size = [image.layer_data.size.width() as u32, image.layer_data.size.height() as u32];
     let pixels = image.layer_data.channel_data.pixels;
-    Ok((Bitmap { size, texels: Texels::Halves(pixels.texels) }, pixels.is_wide))
+    let bitmap = Arc::new(Bitmap { size, texels: Texels::Halves(pixels.texels) });
+    Ok(Picture { bitmap, is_wide: pixels.is_wide, may_be_encoded: false })
 }

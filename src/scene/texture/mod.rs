@@ -27,7 +27,7 @@ pub struct Bitmap {
     pub texels: Texels,
 }
 
-/// How the red, green and blue of a texel in 8 bits are meant.
+/// How the red, green and blue of a texel in 8 or 16 bits are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Space {
     /// Encoded by the curve of sRGB.

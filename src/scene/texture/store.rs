@@ -1,7 +1,8 @@
 //! Store: finds and reads the pictures that textures show, each once.
 
+use super::decode::{self, Picture};
 use super::stated::{Source, StatedTexture};
-use super::{Bitmap, NumberMap, Space, Texels, Texture, decode, f16};
+use super::{Bitmap, NumberMap, Space, Texels, Texture, f16};
 use crate::scene::finder::Finder;
 use crate::scene::warnings::{Named, Warnings};
 use crate::{Error, Result};
@@ -23,6 +24,14 @@ pub(crate) enum Role {
 }
 
 impl Role {
+    /// How numbers of a file without a space of its own are meant.
+    fn space(self, stated: &StatedTexture) -> Space {
+        match self {
+            Self::Opacity | Self::Number => Space::Linear,
+            Self::Colour | Self::Emission => stated.space.unwrap_or(Space::Srgb),
+        }
+    }
+
     /// What stands in place of a picture that cannot be had.
     fn plain(self) -> &'static str {
         match self {
@@ -32,15 +41,14 @@ impl Role {
     }
 }
 
-/// A picture as it is asked for: file, what it is of, and the bits of the range that it is put into.
-type Key = (PathBuf, Role, [u32; 2]);
+/// A picture as it is asked for: file, what it is of, the bits of the range that it is put into, and whether it is linear after that.
+type Key = (PathBuf, Role, [u32; 2], Space);
 
 /// Pictures that were read.
 #[derive(Debug, Default)]
 pub(crate) struct Store {
     finders: HashMap<PathBuf, Finder>,
-    /// And whether some of it is outside of 0 to 1.
-    read: HashMap<PathBuf, Result<(Arc<Bitmap>, bool), String>>,
+    read: HashMap<PathBuf, Result<Picture, String>>,
     /// Those that are not used as they were read.
     derived: HashMap<Key, Arc<Bitmap>>,
     boards: Vec<Arc<Bitmap>>,
@@ -88,9 +96,9 @@ impl Store {
                 }
             }
         };
-        let space = match (&bitmap.texels, role, stated.space) {
-            (Texels::Halves(_), ..) | (_, Role::Opacity | Role::Number, _) => Space::Linear,
-            (Texels::Bytes(_), Role::Colour | Role::Emission, space) => space.unwrap_or(Space::Srgb),
+        let space = match &bitmap.texels {
+            Texels::Halves(_) => Space::Linear,
+            Texels::Bytes(_) => role.space(stated),
         };
         let StatedTexture { wrap, filter, scale, offset, .. } = *stated;
         Ok(Some(Texture { bitmap, space, wrap, filter, scale, offset }))
@@ -135,10 +143,9 @@ impl Store {
     ) -> Result<Arc<Bitmap>, String> {
         if !self.read.contains_key(path) {
             self.files.push(path.to_owned());
-            let read = decode::read(path).map(|(bitmap, is_wide)| (Arc::new(bitmap), is_wide));
-            self.read.insert(path.to_owned(), read.map_err(|error| error.to_string()));
+            self.read.insert(path.to_owned(), decode::read(path).map_err(|error| error.to_string()));
         }
-        let (read, is_wide) = match self.read.get(path) {
+        let Picture { bitmap, is_wide, may_be_encoded } = match self.read.get(path) {
             Some(read) => read.clone()?,
             None => return Err(format!("{} was not read", path.display())),
         };
@@ -148,12 +155,13 @@ impl Store {
             let what = format!("{what}, more than is reflected; they are cut");
             warnings.add(&stated.file, Some(stated.line), what);
         }
-        let is_plain = stated.range == [0.0, 1.0] && !is_cut;
-        if is_plain && (role != Role::Opacity || has_opacity(&read)) {
-            return Ok(read);
+        let encoded = if may_be_encoded { role.space(stated) } else { Space::Linear };
+        let is_plain = stated.range == [0.0, 1.0] && !is_cut && encoded == Space::Linear;
+        if is_plain && (role != Role::Opacity || has_opacity(&bitmap)) {
+            return Ok(bitmap);
         }
-        let key = (path.to_owned(), role, stated.range.map(f32::to_bits));
-        let derive = || Arc::new(derived(&read, role, stated.range));
+        let key = (path.to_owned(), role, stated.range.map(f32::to_bits), encoded);
+        let derive = || Arc::new(derived(&bitmap, role, stated.range, encoded));
         Ok(self.derived.entry(key).or_insert_with(derive).clone())
     }
 }
@@ -169,8 +177,9 @@ fn has_opacity(bitmap: &Bitmap) -> bool {
 /// Luminance of the primaries of sRGB.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// A picture with its numbers put into a range; as opacity where it is to be that and has none.
-fn derived(bitmap: &Bitmap, role: Role, [base, gain]: [f32; 2]) -> Bitmap {
+/// A picture with its numbers put into a range; as opacity where it is to be that and has none. Half floats are made linear where they
+/// are `encoded`.
+fn derived(bitmap: &Bitmap, role: Role, [base, gain]: [f32; 2], encoded: Space) -> Bitmap {
     let by_luminance = role == Role::Opacity && !has_opacity(bitmap);
     let texel = |[r, g, b, a]: [f32; 4]| {
         let ranged = |x: f32| (base + gain * x).clamp(0.0, 1.0);
@@ -192,7 +201,13 @@ fn derived(bitmap: &Bitmap, role: Role, [base, gain]: [f32; 2]) -> Bitmap {
             Texels::Bytes(texels.iter().map(|t| texel(t.map(|x| f32::from(x) / 255.0)).map(byte)).collect())
         }
         Texels::Halves(texels) => {
-            Texels::Halves(texels.iter().map(|t| texel(t.map(f32::from)).map(f16::from_f32)).collect())
+            let linear = |[r, g, b, a]: [f32; 4]| {
+                let [r, g, b] = [r, g, b].map(|x| encoded.to_linear(x));
+                [r, g, b, a]
+            };
+            Texels::Halves(
+                texels.iter().map(|t| linear(texel(t.map(f32::from))).map(f16::from_f32)).collect(),
+            )
         }
     };
     Bitmap { size: bitmap.size, texels }
