@@ -2,9 +2,11 @@
 //!
 //! The exporter puts the values of its principled surface into statements that mean something else elsewhere: Ks is the level of the
 //! reflection of a dielectric, of which 0.5 is an index of 1.5; Ns tells the roughness r as 1000 (1 − r)²; illum 3 is metal, by Pm or Ka,
-//! whose colour is Kd; and Tf, which PBR extensions add, is the part of the light that is transmitted.
+//! whose colour is Kd; and Tf, which PBR extensions add, is the part of the light that is transmitted. Without these extensions the
+//! picture of the roughness is map_Ns, and that of the metallic part map_refl.
 
 use super::mtl::{At, Kind, RawMaterial};
+use super::texture::stated::StatedTexture;
 use crate::spectrum::{self, BANDS};
 
 /// Reflectance at normal incidence where Ks is 1.
@@ -20,6 +22,8 @@ pub(crate) fn restate(raw: &mut RawMaterial) {
     let from_ka = raw.ka.filter(|_| is_metal).map(|ka| spectrum::max(&ka.value));
     let metallic = raw.pm.map(|pm| pm.value).or(from_ka).unwrap_or(0.0).clamp(0.0, 1.0);
     let transmits = raw.tf.is_some_and(|tf| spectrum::max(&tf.value) > 0.5);
+    raw.map_pr = raw.map_pr.take().or_else(|| other_map(raw, "map_ns"));
+    raw.map_pm = raw.map_pm.take().or_else(|| other_map(raw, "map_refl"));
     // a texture is the whole of the colour
     raw.textured = raw.map_kd.as_ref().map(|_| [1.0 - metallic; BANDS]);
     (raw.pr, raw.ns) = (roughness, None);
@@ -36,4 +40,10 @@ pub(crate) fn restate(raw: &mut RawMaterial) {
         raw.pm = Some(At { value: metallic, line: raw.line }).filter(|_| raw.map_pm.is_none());
         (raw.ks, raw.tf) = (None, None);
     }
+}
+
+/// Takes a texture that other libraries mean otherwise.
+fn other_map(raw: &mut RawMaterial, key: &str) -> Option<StatedTexture> {
+    let at = raw.other_maps.iter().position(|map| map.key == key && map.stated.is_some())?;
+    raw.other_maps.remove(at).stated
 }

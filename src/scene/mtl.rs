@@ -60,6 +60,16 @@ pub(crate) struct RawSpectra {
     pub(crate) ni: Option<Index>,
 }
 
+/// A texture that is read in no library, or in Blender's alone.
+#[derive(Debug, Clone)]
+pub(crate) struct OtherMap {
+    /// As the file calls it, in small letters.
+    pub(crate) key: String,
+    pub(crate) line: usize,
+    /// None where it makes no sense.
+    pub(crate) stated: Option<StatedTexture>,
+}
+
 /// One material as the file states it; absent means not stated.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RawMaterial {
@@ -133,8 +143,8 @@ pub(crate) struct RawMaterial {
     pub(crate) bump: Option<StatedTexture>,
     /// Texture of the opacity.
     pub(crate) map_d: Option<StatedTexture>,
-    /// Other textures, which are not read: key and line.
-    pub(crate) other_maps: Vec<At<String>>,
+    /// Other textures; those that are still here in the end are not read.
+    pub(crate) other_maps: Vec<OtherMap>,
     /// Set by a scene file: how much of the surface is there.
     pub(crate) opacity: Option<At<f32>>,
     /// Set by `blender.rs`: what is multiplied by `map_kd`.
@@ -182,7 +192,10 @@ pub(crate) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Vec<Raw
 fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Result<(), &'static str> {
     let at = |value| Some(At { value, line });
     let file = material.file.clone();
-    let mut other = || material.other_maps.push(At { value: key.to_owned(), line });
+    let mut other = || {
+        let stated = StatedTexture::parse(rest, file.clone(), line).ok();
+        material.other_maps.push(OtherMap { key: key.to_owned(), line, stated });
+    };
     match key {
         "ka" => material.ka = at_bands(rest, line)?,
         "pm" => material.pm = at(number(rest)?),

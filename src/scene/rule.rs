@@ -22,7 +22,7 @@
 
 use super::facets::{self, Numbers};
 use super::material::{GREY, WHITE};
-use super::mtl::{At, Kind, RawMaterial, RawSpectra};
+use super::mtl::{At, Kind, OtherMap, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
 use super::texture::{Opacity, Relief, ReliefKind, Texture};
 use super::warnings::{Named, Warnings};
@@ -69,7 +69,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
         let kind = Named { noun: ["material", "materials"], what: [&what, &what] };
         warnings.add_named(&raw.file, line.or(Some(raw.line)), kind, &raw.name, String::new);
     };
-    for At { value: key, line } in &raw.other_maps {
+    for OtherMap { key, line, .. } in &raw.other_maps {
         warn(Some(*line), &format!("{key} is not read; its plain value is used"));
     }
     let ks = raw.ks.map_or(BLACK, |ks| ks.value);

@@ -125,6 +125,35 @@ fn blender_means_the_texture_alone() {
     }
 }
 
+/// Blender without PBR extensions writes the picture of the roughness as map_Ns, and that of the metallic part as map_refl. Elsewhere
+/// these are not read.
+#[test]
+fn blender_calls_the_picture_of_roughness_map_ns() {
+    let with = |first: &str, statements: &str| {
+        let mtl = format!("{first}\nnewmtl m\nKd .5 .5 .5\nNs 250\n{statements}");
+        let obj = format!("{SQUARE}f 1/1 2/2 3/3\n");
+        let picture = DynamicImage::ImageRgb8(RgbImage::from_fn(2, 1, |x, _| Rgb([51 + 153 * x as u8; 3])));
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        let files = [("a.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes()), ("a.png", bytes.get_ref())];
+        Folder::new(&files).load("a.obj").unwrap()
+    };
+    let scene = with("# Blender 4.0", "map_Ns a.png\nmap_refl a.png\n");
+    let m = &scene.materials[0];
+    let roughness = m.roughness.as_ref().expect("a picture").range();
+    let metallic = m.metallic.as_ref().and_then(|metal| metal.map.as_ref()).expect("a picture").range();
+    for range in [roughness, metallic] {
+        assert!((range[0] - 0.2).abs() < 1e-6 && (range[1] - 0.8).abs() < 1e-6, "{range:?}");
+    }
+    assert!(!scene.warnings.iter().any(|w| w.contains("is not read")), "{:?}", scene.warnings);
+    let scene = with("# Blender 4.0", "map_Pr a.png\nmap_Ns a.png\nmap_Ks a.png\n");
+    warned(&scene, "m.mtl:6", "map_ns is not read");
+    warned(&scene, "m.mtl:7", "map_ks is not read");
+    let scene = with("", "Pr .5\nmap_Ns a.png\n");
+    warned(&scene, "m.mtl:6", "map_ns is not read");
+    assert!(scene.materials[0].roughness.is_none());
+}
+
 /// Each format gives its colour; the name is found as those of libraries are; a file is read once.
 #[test]
 fn pictures_are_read() {
