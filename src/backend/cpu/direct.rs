@@ -89,7 +89,7 @@ impl<'a> Direct<'a> {
     ) -> Bands {
         let g = self.g;
         let origin = lift(g.position, g.ng, g.triangle);
-        let given = |l: &LightSample| self.unshadowed(l, &l.through(self.scene, g.inside, origin));
+        let given = |l: &LightSample| self.unshadowed(l, &l.through(self.scene, g.inside));
         let Some((l, light)) = brightest(self.scene, self.lights, origin, candidates, choice, given, tally)
         else {
             return BLACK;

@@ -69,7 +69,7 @@ impl<'a> FollowedLight<'a> {
         let Some(followed) = v.bsdf.followed_from(l.wi) else { return BLACK };
         let s = v.surface;
         let inside = s.sides.toward(l.wi.dot(s.ng) < 0.0);
-        let given = mul(&followed.f_cos, &l.through(self.scene, inside, s.position));
+        let given = mul(&followed.f_cos, &l.through(self.scene, inside));
         if l.pdf <= 0.0 {
             // no path meets it
             return given;

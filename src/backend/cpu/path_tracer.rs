@@ -228,7 +228,7 @@ impl<'a> Path<'a> {
             return;
         }
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + bsdf.pdf_scatter(l.wi)) } else { 1.0 };
-        let light = l.through(self.scene, s.sides.here, origin);
+        let light = l.through(self.scene, s.sides.here);
         self.found(&scale(&mul(&mul(throughput, &bsdf.eval_scatter(l.wi)), &light), cos_s * weight));
     }
 
@@ -250,7 +250,7 @@ impl<'a> Path<'a> {
         }
         let by_lobe = pdf * shares.delta[lobe] / shares.followed();
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + by_lobe) } else { 1.0 };
-        let light = l.through(self.scene, s.sides.toward(l.wi.dot(s.ng) < 0.0), s.position);
+        let light = l.through(self.scene, s.sides.toward(l.wi.dot(s.ng) < 0.0));
         self.found(&scale(&mul(&mul(throughput, &f_cos), &light), weight));
     }
 }

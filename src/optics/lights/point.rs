@@ -49,9 +49,11 @@ pub(super) fn sample_li(e: &PackedEmitter, shape: Shape, position: Vec3) -> Opti
     let way = from_light(e, position);
     let distance_squared = way.length_squared();
     let sent = shape(e, way);
-    (sent > 0.0 && distance_squared > 0.0).then(|| LightSample {
-        wi: -way / distance_squared.sqrt(),
+    let distance = distance_squared.sqrt();
+    (sent > 0.0 && distance > 0.0).then(|| LightSample {
+        wi: -way / distance,
         target: e.position(),
+        distance,
         irradiance: scale(&e.strength, sent / distance_squared),
         pdf: 0.0,
     })

@@ -2,7 +2,7 @@
 
 use crate::optics::media::transmittance;
 use crate::optics::ray::Ray;
-use crate::packed::{FAR, Inside, PackedScene};
+use crate::packed::{Inside, PackedScene};
 use crate::spectrum::{Bands, mul};
 use glam::Vec3;
 
@@ -31,6 +31,8 @@ pub(crate) struct LightSample {
     pub(crate) wi: Vec3,
     /// Where a shadow ray must arrive.
     pub(crate) target: Vec3,
+    /// How far away the emitter is; infinite for a sun.
+    pub(crate) distance: f32,
     /// Irradiance across `wi` over the probability of this sample: Le cos_l/(d² pick pdf_area), I/(d² pick), E/pick.
     pub(crate) irradiance: Bands,
     /// pdf_solid_angle with `pick`; 0 where no BSDF sample can find the emitter.
@@ -38,12 +40,9 @@ pub(crate) struct LightSample {
 }
 
 impl LightSample {
-    /// Its irradiance at `origin`, in these bodies, where nothing shades it: a shadow ray crosses no boundary \[E44\].
-    pub(crate) fn through(&self, scene: &PackedScene, inside: Inside, origin: Vec3) -> Bands {
-        let distance = (self.target - origin).length();
-        // what is so far has no place: a sun
-        let distance = if distance > FAR { f32::INFINITY } else { distance };
-        let left = transmittance(scene, inside, distance);
+    /// Its irradiance at the place that it was drawn for, in these bodies, where nothing shades it: a shadow ray crosses no boundary \[E44\].
+    pub(crate) fn through(&self, scene: &PackedScene, inside: Inside) -> Bands {
+        let left = transmittance(scene, inside, self.distance);
         left.map_or(self.irradiance, |left| mul(&self.irradiance, &left))
     }
 }

@@ -42,5 +42,6 @@ pub(super) fn aimed(e: &PackedEmitter, targets: &[Target], u: [f32; 2], share: f
 
 /// Light sample; its light does not depend on the place.
 pub(super) fn sample_li(e: &PackedEmitter, position: Vec3) -> LightSample {
-    LightSample { wi: -e.e1, target: position - e.e1 * BEYOND, irradiance: e.strength, pdf: 0.0 }
+    let target = position - e.e1 * BEYOND;
+    LightSample { wi: -e.e1, target, distance: f32::INFINITY, irradiance: e.strength, pdf: 0.0 }
 }

@@ -48,12 +48,14 @@ pub(super) fn sample_li(e: &PackedEmitter, position: Vec3, u: [f32; 2]) -> Optio
     let (target, normal) = place_on(e, u);
     let offset = target - position;
     let distance_squared = offset.length_squared();
-    let wi = offset / distance_squared.sqrt();
+    let distance = distance_squared.sqrt();
+    let wi = offset / distance;
     let cos_l = -wi.dot(normal);
     let weight = e.area * cos_l / distance_squared;
     (distance_squared > 0.0 && cos_l > 0.0).then(|| LightSample {
         wi,
         target,
+        distance,
         irradiance: scale(&e.strength, weight),
         pdf: 1.0 / weight,
     })
