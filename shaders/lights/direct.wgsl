@@ -27,6 +27,16 @@ struct Receiver {
     shares: bool,
     // The bodies that it is in.
     inside: u32,
+    // How far it is lifted, where light comes from the other side, too.
+    lift: f32,
+}
+
+// Where rays in a direction start: on the side of the surface that it is on.
+fn origin_toward(r: Receiver, direction: vec3<f32>) -> vec3<f32> {
+    if is_translucent(r.material) && dot(direction, r.geometric) < 0.0 {
+        return r.origin - 2.0 * r.lift * r.geometric;
+    }
+    return r.origin;
 }
 
 // Light of one shadow ray, and of one BSDF sample where these share the weight; without the throughput.
@@ -65,15 +75,15 @@ fn near_emitter(p: vec3<f32>) -> bool {
 }
 
 // Light that a direction of the D lobes finds, with its share of the weight.
-fn by_brdf(
-    m: PackedMaterial, origin: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, inside: u32, u: vec3<f32>,
-) -> Bands {
-    let wi = sample_scatter(m, n, wo, u);
-    let cos_receiver = dot(wi, n);
-    if cos_receiver <= 0.0 || dot(wi, geometric) <= 0.0 {
+fn by_brdf(r: Receiver, u: vec3<f32>) -> Bands {
+    let m = r.material;
+    let n = r.shading;
+    let wi = sample_scatter(m, n, r.wo, u);
+    let cos_receiver = scatter_cosine(m, r.geometric, n, wi);
+    if cos_receiver <= 0.0 {
         return Bands(0.0);
     }
-    let hit = traverse(origin, wi, 1e30, false);
+    let hit = traverse(origin_toward(r, wi), wi, 1e30, false);
     var found = Bands(0.0);
     var pdf_light = 0.0;
     if hit.triangle == MISS {
@@ -91,13 +101,13 @@ fn by_brdf(
         }
     }
     if HAS_MEDIA {
-        found *= transmittance(inside, hit.t);
+        found *= transmittance(r.inside, hit.t);
     }
     if max_band(found) <= 0.0 {
         return Bands(0.0);
     }
     // f Le cos / pdf · pdf / (pdf + pdf_light)
-    return eval_scatter(m, n, wi, wo) * found * (cos_receiver / (pdf_scatter(m, n, wi, wo) + pdf_light));
+    return eval_scatter(m, n, wi, r.wo) * found * (cos_receiver / (pdf_scatter(m, n, wi, r.wo) + pdf_light));
 }
 
 // One sample; u: a direction, its lobe, and which candidate.
@@ -111,8 +121,8 @@ fn direct_light(r: Receiver, draws: LightDraws, u: vec4<f32>) -> DirectLight {
     var found = 0u;
     for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
         let light = light_candidate(r.origin, draws, k);
-        let cos_receiver = dot(light.wi, r.shading);
-        if cos_receiver > 0.0 && dot(light.wi, r.geometric) > 0.0 && max_band(light.weight) > 0.0 {
+        let cos_receiver = scatter_cosine(r.material, r.geometric, r.shading, light.wi);
+        if cos_receiver > 0.0 && max_band(light.weight) > 0.0 {
             var weight = cos_receiver;
             if r.shares && light.pdf > 0.0 {
                 let pdf = candidates * light.pdf;
@@ -136,13 +146,14 @@ fn direct_light(r: Receiver, draws: LightDraws, u: vec4<f32>) -> DirectLight {
     if max_band(given) > 0.0 {
         result.rays += 1u;
         result.saved += found - 1u;
-        if !is_occluded(r.origin, picked.wi, picked.distance, picked.end) {
+        let origin = origin_toward(r, picked.wi);
+        if !is_occluded(origin, picked.wi, picked.distance, picked.end) {
             result.by_light = given * (reservoir.total / (candidates * max_band(given)));
         }
     }
     if r.shares {
         result.rays += 1u;
-        result.by_lobe = by_brdf(r.material, r.origin, r.geometric, r.shading, r.wo, r.inside, u.xyz);
+        result.by_lobe = by_brdf(r, u.xyz);
     }
     return result;
 }

@@ -27,6 +27,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let r = min(map_info.radius, RADIUS_FOOTPRINTS * point.path_length * pass_info.camera.pixel_angle);
     let normal = decode_direction(point.normal);
     let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
+    let both_sides = (point.surface & BOTH_SIDES) != 0u;
     var count = 0.0;
     var rows = rows_touched(grid, point.position, r);
     while rows != 0u {
@@ -36,8 +37,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         for (var i = bucket_starts[buckets.x]; i < end; i += 1u) {
             let d = sorted_jotons[i].position - point.position;
             let facing = decode_normal24(sorted_jotons[i].normal_state);
+            let side = select(dot(facing, normal), abs(dot(facing, normal)), both_sides);
             if dot(d, d) < r * r && abs(dot(d, facing)) < 127.0 * GATHER_PLANE_SHARE * r
-                && dot(facing, normal) > 127.0 * GATHER_NORMAL_COS {
+                && side > 127.0 * GATHER_NORMAL_COS {
                 count += 1.0;
             }
         }

@@ -34,6 +34,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let receiver = Receiver(
         m, point.position, decode_direction(point.normal), decode_direction(point.shading_normal), decode_direction(point.wo),
         does_vary(m) || near_emitter(point.position), point.inside,
+        lift_of_point(m, point),
     );
     let sample = sequence_index(index);
     var sum = Bands(0.0);

@@ -48,7 +48,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let is_here = pixel != NO_PIXEL && max_band(point.throughput) > 0.0;
     let fit = fits[at].c;
     let m = material_of_point(point);
-    let varies = does_vary(m);
+    let varies = does_vary(m) || is_translucent(m);
     let chain = chain_of(point);
     let normal = decode_direction(point.normal);
     let shading = decode_direction(point.shading_normal);
@@ -94,14 +94,19 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
                 let n = from_lane(facing, k).xyz;
                 var flux = bands_of_four(from_lane(flux4, k));
                 // a true disc is measured face by face: all of a flat face is near, or nothing
+                let side = dot(n, normal);
+                // [E55] light of the other side is scattered through
+                let is_beyond = is_translucent(m) && side < 0.0;
                 let height = abs(dot(d, select(normal, n / 127.0, CAUSTIC)));
                 if is_mine && dot(d, d) < r2 && height < plane
-                    && dot(n, normal) > 127.0 * GATHER_NORMAL_COS
+                    && select(side, -side, is_beyond) > 127.0 * GATHER_NORMAL_COS
                     && is_before(first_wall, d) && is_before(second_wall, d)
                     && (!HAS_PATH_FILTER || path_wanted(bitcast<u32>(joton.w) >> 24u, chain)) {
-                    if varies {
+                    if is_beyond {
+                        flux *= translucent_eval(m);
+                    } else if varies {
                         let wi = decode_direction(sorted_jotons[first + k].wi);
-                        flux *= eval_scatter(m, shading, wi, wo);
+                        flux *= eval_reflected(m, shading, wi, wo);
                     }
                     if CAUSTIC {
                         sum += flux;

@@ -54,12 +54,12 @@ struct Leaving {
 
 fn leave(m: PackedMaterial, geometric: vec3<f32>, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> Leaving {
     let wi = sample_scatter(m, n, wo, u);
-    let cosine = dot(wi, n);
+    let cosine = scatter_cosine(m, geometric, n, wi);
     var weight = m.diffuse;
-    if does_vary(m) {
+    if does_vary(m) || is_translucent(m) {
         weight = eval_scatter(m, n, wi, wo) * (cosine / max(pdf_scatter(m, n, wi, wo), 1e-37));
     }
-    return Leaving(wi, select(Bands(0.0), weight, cosine > 0.0 && dot(wi, geometric) > 0.0));
+    return Leaving(wi, select(Bands(0.0), weight, cosine > 0.0));
 }
 
 // Radiance of the caustic map's jotons at a surface, in a disc as large as it may be at this length of the path [E7, E31].
@@ -86,7 +86,7 @@ fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, accepted: u32,
     }
     disc_steps += steps - before;
     steps = before;
-    if !does_vary(r.material) {
+    if !does_vary(r.material) && !is_translucent(r.material) {
         sum *= eval_scatter(r.material, r.shading, r.wo, r.wo);
     }
     return sum / disc.area;
@@ -96,7 +96,7 @@ fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, accepted: u32,
 fn joton_flux(r: Receiver, disc: TrueDisc, reach: f32, accepted: u32, u: f32) -> Bands {
     let radius = disc.radius;
     let r2 = radius * radius;
-    let varies = does_vary(r.material);
+    let varies = does_vary(r.material) || is_translucent(r.material);
     let grid = Grid(map_info.grid_origin, map_info.cells_per_unit, map_info.row_mask, map_info.columns);
     var sum = Bands(0.0);
     var rows = rows_touched(grid, r.origin, reach);
@@ -116,12 +116,15 @@ fn joton_flux(r: Receiver, disc: TrueDisc, reach: f32, accepted: u32, u: f32) ->
             if dot(d, d) < r2 && height_over(disc.first, d) >= 0.0 && height_over(disc.second, d) >= 0.0 {
                 let normal_state = sorted_jotons[i].normal_state;
                 let facing = decode_normal24(normal_state);
-                if dot(facing, r.geometric) > 127.0 * GATHER_NORMAL_COS
+                let is_beyond = is_translucent(r.material) && dot(facing, r.geometric) < 0.0;
+                if select(dot(facing, r.geometric), -dot(facing, r.geometric), is_beyond) > 127.0 * GATHER_NORMAL_COS
                     && abs(dot(d, facing)) < 127.0 * GATHER_PLANE_SHARE * radius
                     && (!HAS_PATH_FILTER || ((accepted >> (normal_state >> 24u)) & 1u) != 0u) {
                     var flux = sorted_jotons[i].flux * f32(stride);
-                    if varies {
-                        flux *= eval_scatter(r.material, r.shading, decode_direction(sorted_jotons[i].wi), r.wo);
+                    if is_beyond {
+                        flux *= translucent_eval(r.material);
+                    } else if varies {
+                        flux *= eval_reflected(r.material, r.shading, decode_direction(sorted_jotons[i].wi), r.wo);
                     }
                     sum += flux;
                 }
@@ -183,18 +186,21 @@ fn set_out(p: ptr<function, Path>, pixel: u32, sample: u32) -> bool {
     let number = wide_sum(wide_product(sample, WORKGROUP), at.place);
     let way = sobol2(number.x, sequence_seed(seed_at(pass_info.seed, number.y), at.tile, STREAM_INDIRECT));
     let u = random4(pass_info.seed, sample, pixel, DIMENSION_INDIRECT);
-    let start = leave(
-        material_of_point(point), decode_direction(point.normal), decode_direction(point.shading_normal),
-        decode_direction(point.wo), vec3(way, u.x),
-    );
+    let m = material_of_point(point);
+    let geometric = decode_direction(point.normal);
+    let start = leave(m, geometric, decode_direction(point.shading_normal), decode_direction(point.wo), vec3(way, u.x));
     // the first bounce is taken for sure: neighbours share what it finds
     let throughput = point.throughput * start.weight;
     var accepted = 0u;
     if HAS_PATH_FILTER {
         accepted = states_before(states_wanted(chain_of(point)), EVENT_D);
     }
+    var origin = point.position;
+    if is_translucent(m) && dot(start.direction, geometric) < 0.0 {
+        origin -= 2.0 * lift_of_point(m, point) * geometric;
+    }
     *p = Path(
-        pixel, sample, Departure(point.position, 0.0), start.direction, point.path_length, throughput, 1u, true, accepted,
+        pixel, sample, Departure(origin, 0.0), start.direction, point.path_length, throughput, 1u, true, accepted,
         Bands(0.0), (*p).rays, (*p).saved, point.inside,
     );
     return max_band(throughput) > 0.0 && !(HAS_PATH_FILTER && accepted == 0u);
@@ -231,6 +237,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
         let origin = s.position + b.geometric * s.lift;
         let receiver = Receiver(
             b.material, origin, b.geometric, b.shading, -direction, does_vary(b.material) || near_emitter(origin), b.before,
+            s.lift,
         );
         steps += min(pass_info.emitters, NEAR_EMITTERS_MAX);
         if !HAS_PATH_FILTER || (((*p).accepted >> path_step(PATH_START, EVENT_D)) & 1u) != 0u {
@@ -261,7 +268,7 @@ fn go_on(p: ptr<function, Path>) -> bool {
         }
         (*p).throughput = carried / survives;
         (*p).direction = next.direction;
-        (*p).departs = Departure(origin, 0.0);
+        (*p).departs = Departure(origin_toward(receiver, next.direction), 0.0);
         (*p).is_first = false;
     } else {
         if HAS_DISPERSION {

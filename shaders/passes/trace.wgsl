@@ -146,7 +146,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         }
         let off_relief = !CAUSTIC && is_off_relief(b, lobe);
         if off_relief {
-            next = sample_off_relief(b, random.yz);
+            next = sample_off_relief(b, lobe, random.yz);
         }
         // what the sampled direction carries of it: the rest is absorbed, so that the balance is exact in expectation
         var carried = next.weight;

@@ -1,8 +1,8 @@
 // What a gather point says in one word: material, specular events on the way from the eye, side; and how wide its pixel is.
 // import: sampling/sampling.wgsl
 
-fn gather_surface(material: u32, chain: u32, from_front: bool) -> u32 {
-    return material | (min(chain, CHAIN_MAX) << CHAIN_SHIFT) | select(BACK_SIDE, 0u, from_front);
+fn gather_surface(material: u32, chain: u32, from_front: bool, both_sides: bool) -> u32 {
+    return material | (min(chain, CHAIN_MAX) << CHAIN_SHIFT) | select(BACK_SIDE, 0u, from_front) | select(0u, BOTH_SIDES, both_sides);
 }
 
 // Specular events between the eye and the point, saturated.

@@ -16,8 +16,12 @@ override HAS_GLOW: bool = true;
 override HAS_CUTOUTS: bool = true;
 // The inside of some body matters: what it absorbs, or its priority.
 override HAS_MEDIA: bool = true;
+// Some surface scatters light through itself.
+override HAS_TRANSLUCENT: bool = true;
 // Some surface is of microfacets.
 override HAS_FACETS: bool = true;
+// Some microfacets are rougher one way than the other.
+override HAS_ANISOTROPY: bool = true;
 // What the bands are differs from pass to pass.
 override HAS_WAVELENGTHS: bool = true;
 // Some dielectric has an index that differs between the bands.

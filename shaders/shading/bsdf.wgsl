@@ -2,6 +2,7 @@
 // import: shading/surface.wgsl
 // import: shading/material.wgsl
 // import: shading/relief.wgsl
+// import: shading/brushed_way.wgsl
 // import: shading/lobes.wgsl
 // import: shading/media.wgsl
 
@@ -29,6 +30,11 @@ fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32, inside: u32) -> Bsdf {
     var shading = facing_normal(s, direction, geometric);
     if has_relief(m) {
         shading = relief_normal(m, s, direction, width * s.texture.per_unit);
+    }
+    if is_anisotropic(m) {
+        // as a gather point has it, of whose basis the angle is
+        shading = decode_direction(encode_direction(shading));
+        m = brushed_at(m, s, shading);
     }
     let before = inside_before(inside, m, from_front);
     let beyond = inside_beyond(before, m, from_front);
@@ -90,11 +96,14 @@ fn sample_at(b: Bsdf, lobe: u32, u: vec2<f32>) -> LobeSample {
 
 // True where a joton leaves by sample_off_relief.
 fn is_off_relief(b: Bsdf, lobe: u32) -> bool {
-    return has_relief(b.material) && lobe == LOBE_DIFFUSE;
+    return has_relief(b.material) && (lobe == LOBE_DIFFUSE || (HAS_TRANSLUCENT && lobe == LOBE_TRANSLUCENT));
 }
 
 // A joton leaves what is diffuse about the geometric normal, since eyes see it from all sides: the adjoint is in the weight [E48].
-fn sample_off_relief(b: Bsdf, u: vec2<f32>) -> LobeSample {
+fn sample_off_relief(b: Bsdf, lobe: u32, u: vec2<f32>) -> LobeSample {
+    if HAS_TRANSLUCENT && lobe == LOBE_TRANSLUCENT {
+        return weighed(translucent_sample(b.geometric, u), 1.0, 1.0);
+    }
     let d = lambert_sample(b.geometric, u);
     var weight = 1.0;
     if is_coated(b.material) {

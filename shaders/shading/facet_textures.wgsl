@@ -1,6 +1,7 @@
 // Microfacets whose roughness, or whose part that is metal, is looked up at each place [E47]. Twin: src/optics/shading/facet_textures.rs.
 // import: scene/features.wgsl
 // import: shading/texture.wgsl
+// import: shading/anisotropy.wgsl
 
 // Bits of a material's `facet_textures` with the texture of its roughness; that of its metallic part is above.
 const ROUGHNESS_TEXTURE: u32 = 0xffffu;
@@ -47,7 +48,7 @@ fn with_facets(varied: PackedMaterial, kept: u32) -> PackedMaterial {
         tint = head_on + m.metallic * (m.diffuse * uncoated(m) - head_on);
         m.diffuse *= 1.0 - m.metallic;
     }
-    let is_followed = m.alpha <= FOLLOWED_ALPHA;
+    let is_followed = mean_alpha(m) <= FOLLOWED_ALPHA;
     let has_lobe = any(tint > Bands(0.0));
     m.flag_bits = (m.flag_bits & ~(GLOSSY | SPECULAR)) | select(0u, select(GLOSSY, SPECULAR, is_followed), has_lobe);
     m.glossy = select(tint, Bands(0.0), is_followed);
@@ -67,6 +68,14 @@ fn varied_material(m: PackedMaterial, uv: vec2<f32>, width: f32) -> PackedMateri
     let of_metal = m.facet_textures >> METALLIC_SHIFT;
     if of_metal != 0u {
         metallic = min(1.0, texture_number(of_metal - 1u, uv, width));
+    }
+    if is_anisotropic(m) {
+        // as a gather point keeps it, so that both have the same lobes
+        var rounded = m;
+        rounded.alpha = alpha;
+        rounded.metallic = metallic;
+        let numbers = kept_numbers(kept_brush(rounded));
+        return with_facets(m, packed_facets(numbers.x, numbers.y));
     }
     return with_facets(m, packed_facets(alpha, metallic));
 }

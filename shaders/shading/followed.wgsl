@@ -32,7 +32,7 @@ fn pdf_delta_at(b: Bsdf, lobe: u32, w: vec3<f32>) -> f32 {
         return rough_pdf(m, lobe == LOBE_TRANSMISSION, b.direction, b.shading, b.from_front, w);
     }
     if has_facets(m) {
-        return microfacet_pdf(m.alpha, b.shading, w, -b.direction);
+        return microfacet_pdf(m, b.shading, w, -b.direction);
     }
     return phong_pdf_about(m.specular_exponent, mirror_direction(b.direction, b.geometric, b.shading), w);
 }

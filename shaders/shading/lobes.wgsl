@@ -3,6 +3,7 @@
 // lobe is a file of its own and a line in each of the functions below.
 // Twin: src/optics/shading/mod.rs.
 // import: shading/lambert.wgsl
+// import: shading/translucent.wgsl
 // import: shading/phong.wgsl
 // import: shading/mirror.wgsl
 // import: shading/dielectric.wgsl
@@ -14,10 +15,11 @@
 const LOBE_NONE: u32 = 0u;
 const LOBE_DIFFUSE: u32 = 1u;
 const LOBE_GLOSSY: u32 = 2u;
+const LOBE_TRANSLUCENT: u32 = 3u;
 // Delta lobes from here on.
-const LOBE_MIRROR: u32 = 3u;
-const LOBE_REFLECTION: u32 = 4u;
-const LOBE_TRANSMISSION: u32 = 5u;
+const LOBE_MIRROR: u32 = 4u;
+const LOBE_REFLECTION: u32 = 5u;
+const LOBE_TRANSMISSION: u32 = 6u;
 
 fn is_delta(lobe: u32) -> bool {
     return lobe >= LOBE_MIRROR;
@@ -71,6 +73,7 @@ fn lobe_albedo(m: PackedMaterial, lobe: u32, at: AtAngle) -> Bands {
     switch lobe {
         case LOBE_DIFFUSE: { return diffuse_albedo(m, at); }
         case LOBE_GLOSSY: { return reflecting_albedo(m, GLOSSY, m.glossy, at); }
+        case LOBE_TRANSLUCENT: { return m.transmission; }
         case LOBE_MIRROR: { return reflecting_albedo(m, SPECULAR, m.specular, at); }
         case LOBE_REFLECTION: { return m.specular * at.reflectance; }
         default: { return m.transmission * (1.0 - at.reflectance); }
@@ -92,6 +95,9 @@ fn total_albedo(m: PackedMaterial, at: AtAngle) -> Bands {
     if has_facets(m) {
         return diffuse_albedo(m, at) + at.reflectance;
     }
+    if is_translucent(m) {
+        return m.diffuse + m.glossy + m.specular + m.transmission;
+    }
     return m.diffuse + m.glossy + m.specular;
 }
 
@@ -102,12 +108,13 @@ struct LobeWeights {
     mirror: f32,
     reflection: f32,
     transmission: f32,
+    translucent: f32,
 }
 
 // Part of the flux that takes each lobe, as max over bands of (albedo × carried) / max of carried.
 fn lobe_weights(m: PackedMaterial, carried: Bands, at: AtAngle) -> LobeWeights {
     let scale = 1.0 / max(max_band(carried), 1e-37);
-    var w = LobeWeights(0.0, 0.0, 0.0, 0.0, 0.0);
+    var w = LobeWeights(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     if is_dielectric(m) {
         w.reflection = max_band(at.reflectance * (m.specular * carried)) * scale;
         w.transmission = max_band((1.0 - at.reflectance) * (m.transmission * carried)) * scale;
@@ -116,6 +123,9 @@ fn lobe_weights(m: PackedMaterial, carried: Bands, at: AtAngle) -> LobeWeights {
     w.diffuse = max_band(diffuse_albedo(m, at) * carried) * scale;
     if HAS_GLOSSY {
         w.glossy = max_band(reflecting_albedo(m, GLOSSY, m.glossy, at) * carried) * scale;
+    }
+    if is_translucent(m) {
+        w.translucent = max_band(m.transmission * carried) * scale;
     }
     if HAS_SPECULAR {
         w.mirror = max_band(reflecting_albedo(m, SPECULAR, m.specular, at) * carried) * scale;
@@ -126,6 +136,7 @@ fn lobe_weights(m: PackedMaterial, carried: Bands, at: AtAngle) -> LobeWeights {
 fn scaled_weights(w: LobeWeights, factor: f32) -> LobeWeights {
     return LobeWeights(
         w.diffuse * factor, w.glossy * factor, w.mirror * factor, w.reflection * factor, w.transmission * factor,
+        w.translucent * factor,
     );
 }
 
@@ -133,6 +144,7 @@ fn weight_of(w: LobeWeights, lobe: u32) -> f32 {
     switch lobe {
         case LOBE_DIFFUSE: { return w.diffuse; }
         case LOBE_GLOSSY: { return w.glossy; }
+        case LOBE_TRANSLUCENT: { return w.translucent; }
         case LOBE_MIRROR: { return w.mirror; }
         case LOBE_REFLECTION: { return w.reflection; }
         default: { return w.transmission; }
@@ -141,6 +153,9 @@ fn weight_of(w: LobeWeights, lobe: u32) -> f32 {
 
 // Sum over the lobes that scatter.
 fn scatter_weight(w: LobeWeights) -> f32 {
+    if HAS_TRANSLUCENT {
+        return w.diffuse + w.glossy + w.translucent;
+    }
     return w.diffuse + w.glossy;
 }
 
@@ -166,6 +181,12 @@ fn chosen_lobe(w: LobeWeights, u: f32) -> u32 {
     if u < edge {
         return LOBE_GLOSSY;
     }
+    if HAS_TRANSLUCENT {
+        edge += w.translucent;
+        if u < edge {
+            return LOBE_TRANSLUCENT;
+        }
+    }
     edge += w.mirror;
     if u < edge {
         return LOBE_MIRROR;
@@ -185,8 +206,16 @@ fn chosen_delta(w: LobeWeights, u: f32) -> u32 {
     return select(LOBE_MIRROR, LOBE_REFLECTION, HAS_DIELECTRIC && w.reflection > 0.0 && u >= w.mirror);
 }
 
-// BRDF of the lobes that scatter, 1/sr.
+// BSDF of the lobes that scatter, 1/sr.
 fn eval_scatter(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
+    if is_translucent(m) && dot(wi, n) < 0.0 {
+        return translucent_eval(m);
+    }
+    return eval_reflected(m, n, wi, wo);
+}
+
+// Of those that leave light on its side.
+fn eval_reflected(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
     var f = lambert_eval(m);
     if is_coated(m) {
         f = undercoat_eval(m, n, wi, wo);
@@ -216,13 +245,34 @@ fn diffuse_share(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>) -> f32 {
     return diffuse / (diffuse + glossy);
 }
 
+// Probability that a sample of the lobes that scatter goes to the other side.
+fn translucent_share(m: PackedMaterial) -> f32 {
+    if !is_translucent(m) {
+        return 0.0;
+    }
+    let through = max_band(m.transmission);
+    return through / (through + max_band(m.diffuse) + max_band(m.glossy));
+}
+
 // pdf_solid_angle of sample_scatter.
 fn pdf_scatter(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    if is_translucent(m) {
+        let through = translucent_share(m);
+        if dot(wi, n) < 0.0 {
+            return through * translucent_pdf(n, wi);
+        }
+        return (1.0 - through) * pdf_reflected(m, n, wi, wo);
+    }
+    return pdf_reflected(m, n, wi, wo);
+}
+
+// That of the lobes that leave light on its side.
+fn pdf_reflected(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
     let diffuse = diffuse_share(m, n, wo);
     var pdf = diffuse * lambert_pdf(n, wi);
     if diffuse < 1.0 {
         if has_facets(m) {
-            pdf += (1.0 - diffuse) * microfacet_pdf(m.alpha, n, wi, wo);
+            pdf += (1.0 - diffuse) * microfacet_pdf(m, n, wi, wo);
         } else {
             pdf += (1.0 - diffuse) * phong_pdf(m.glossy_exponent, n, wi, wo);
         }
@@ -230,13 +280,24 @@ fn pdf_scatter(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) ->
     return pdf;
 }
 
-// A direction from the lobes that scatter; it may lie below the surface.
+// A direction from the lobes that scatter; it may lie below the surface. Where light goes there, too, f and pdf of it are those of that lobe.
 fn sample_scatter(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> vec3<f32> {
+    if is_translucent(m) {
+        let through = translucent_share(m);
+        if u.z < through {
+            return translucent_sample(n, u.xy);
+        }
+        return sample_reflected(m, n, wo, vec3(u.xy, (u.z - through) / (1.0 - through)));
+    }
+    return sample_reflected(m, n, wo, u);
+}
+
+fn sample_reflected(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> vec3<f32> {
     if u.z < diffuse_share(m, n, wo) {
         return lambert_sample(n, u.xy);
     }
     if has_facets(m) {
-        return microfacet_sample(m.alpha, n, wo, u.xy);
+        return microfacet_sample(m, n, wo, u.xy);
     }
     return phong_sample(m.glossy_exponent, n, -wo, u.xy);
 }
@@ -282,7 +343,7 @@ fn sample_delta(
 fn facet_sample(
     m: PackedMaterial, tint: Bands, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, u: vec2<f32>,
 ) -> LobeSample {
-    let d = microfacet_sample(m.alpha, n, -direction, u);
+    let d = microfacet_sample(m, n, -direction, u);
     let flat = facet_reflectance(m, tint, -dot(direction, n));
     let weight = microfacet_weight(m, tint, n, d, -direction, flat);
     return LobeSample(d, select(Bands(0.0), weight, dot(d, geometric) > 0.0), 1.0);
@@ -296,6 +357,10 @@ fn sample_lobe(
     }
     if lobe == LOBE_GLOSSY && has_facets(m) {
         return facet_sample(m, m.glossy, direction, geometric, n, u);
+    }
+    if HAS_TRANSLUCENT && lobe == LOBE_TRANSLUCENT {
+        let through = translucent_sample(n, u);
+        return weighed(through, select(0.0, 1.0, dot(through, geometric) < 0.0), 1.0);
     }
     var d: vec3<f32>;
     var weight = 1.0;

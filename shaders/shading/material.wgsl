@@ -3,6 +3,8 @@
 // import: scene/scene.wgsl
 // import: shading/texture.wgsl
 // import: shading/facet_textures.wgsl
+// import: shading/translucent.wgsl
+// import: shading/anisotropy.wgsl
 // reads  scene, pass_info
 
 // Low bits of a material's `textures`: the texture of its diffuse reflectance.
@@ -26,7 +28,11 @@ fn texel_bands(texel: vec4<f32>) -> Bands {
 fn resolved_material(index: u32, uv: vec2<f32>, width: f32) -> PackedMaterial {
     var m = material_at(index);
     if is_textured(m) {
-        m.diffuse *= texel_bands(texture_lookup((m.textures & COLOUR_TEXTURE) - 1u, uv, width));
+        let texel = texel_bands(texture_lookup((m.textures & COLOUR_TEXTURE) - 1u, uv, width));
+        m.diffuse *= texel;
+        if is_translucent(m) {
+            m.transmission *= texel;
+        }
     }
     if HAS_GLOW && (m.relief_texture >> EMISSION_SHIFT) != 0u {
         m.emission *= texel_bands(texture_lookup((m.relief_texture >> EMISSION_SHIFT) - 1u, uv, width));
@@ -46,18 +52,44 @@ fn kept_albedo(m: PackedMaterial) -> vec2<u32> {
     return vec2(pack2x16float(four.xy), pack2x16float(four.zw));
 }
 
-// What of its microfacets a gather point keeps.
-fn kept_facets(m: PackedMaterial) -> u32 {
+// What of its microfacets a gather point keeps, and their way where they are brushed; of what is translucent, which has none, how far rays from there are lifted.
+fn kept_facets(m: PackedMaterial, lift: f32) -> u32 {
+    if is_translucent(m) {
+        return bitcast<u32>(lift);
+    }
+    if is_anisotropic(m) {
+        return kept_brush(m);
+    }
     return select(0u, packed_facets(m.alpha, m.metallic), is_varied(m));
+}
+
+// How far a gather point is lifted off its surface; 0 where all that leaves it does so on its side.
+fn lift_of_point(m: PackedMaterial, point: GatherPoint) -> f32 {
+    return select(0.0, bitcast<f32>(point.facets), is_translucent(m));
+}
+
+// Of what is brushed and varies: α and the metallic part as others keep them.
+fn packed_kept_facets(kept: u32) -> u32 {
+    let numbers = kept_numbers(kept);
+    return packed_facets(numbers.x, numbers.y);
 }
 
 // Of the surface that a gather point lies on.
 fn material_of_point(point: GatherPoint) -> PackedMaterial {
     var m = material_at(point.surface & MATERIAL_MASK);
     if is_textured(m) {
-        m.diffuse = bands_of_four(vec4(unpack2x16float(point.albedo_low), unpack2x16float(point.albedo_high)));
+        let kept = bands_of_four(vec4(unpack2x16float(point.albedo_low), unpack2x16float(point.albedo_high)));
+        if is_translucent(m) {
+            m.transmission *= kept / max(m.diffuse, Bands(1e-20));
+        }
+        m.diffuse = kept;
     }
-    if is_varied(m) {
+    if is_anisotropic(m) {
+        m = with_kept_way(m, point.facets);
+        if is_varied(m) {
+            m = with_facets(m, packed_kept_facets(point.facets));
+        }
+    } else if is_varied(m) {
         m = with_facets(m, point.facets);
     }
     return m;

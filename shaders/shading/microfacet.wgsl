@@ -2,6 +2,7 @@
 // Walter et al. 2007, Heitz 2014. Twin: src/optics/shading/microfacet.rs.
 // import: sampling/sampling.wgsl
 // import: shading/fresnel.wgsl
+// import: shading/anisotropy.wgsl
 
 // Density of normals, 1/sr.
 fn ggx_density(alpha: f32, n: vec3<f32>, h: vec3<f32>) -> f32 {
@@ -18,17 +19,6 @@ fn ggx_slope(alpha: f32, cosine: f32) -> f32 {
     return sqrt(cosine * cosine + alpha * alpha * (1.0 - cosine * cosine));
 }
 
-// G₁: part of the facets toward a direction that it sees.
-fn ggx_seen(alpha: f32, cosine: f32) -> f32 {
-    return 2.0 * cosine / (cosine + ggx_slope(alpha, cosine));
-}
-
-// G₂/G₁(o): part of the facets that o sees which i sees as well.
-fn ggx_seen_again(alpha: f32, cos_i: f32, cos_o: f32) -> f32 {
-    let slope_o = ggx_slope(alpha, cos_o);
-    return cos_i * (cos_o + slope_o) / (cos_i * slope_o + cos_o * ggx_slope(alpha, cos_i));
-}
-
 // The normal of one of the facets that wo sees, each by the area that it shows (Dupuy & Benyoub 2023): the cap of a sphere, stretched.
 fn ggx_normal(alpha: f32, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     let frame = basis(n);
@@ -38,6 +28,42 @@ fn ggx_normal(alpha: f32, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32
     let r = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
     let h = vec3(r * unit_circle(u.x), z) + o;
     return normalize(frame * vec3(alpha * h.xy, max(0.0, h.z)));
+}
+
+// These of a material that has been met, brushed or not.
+fn facet_density(m: PackedMaterial, n: vec3<f32>, h: vec3<f32>) -> f32 {
+    if is_anisotropic(m) {
+        return brushed_density(m, n, h);
+    }
+    return ggx_density(m.alpha, n, h);
+}
+
+fn facet_slope(m: PackedMaterial, n: vec3<f32>, w: vec3<f32>) -> f32 {
+    if is_anisotropic(m) {
+        return brushed_slope(m, n, w);
+    }
+    return ggx_slope(m.alpha, dot(n, w));
+}
+
+fn facet_normal(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+    if is_anisotropic(m) {
+        return brushed_normal(m, n, wo, u);
+    }
+    return ggx_normal(m.alpha, n, wo, u);
+}
+
+// G₁: part of the facets toward a direction that it sees; on whichever side that is.
+fn facet_seen(m: PackedMaterial, n: vec3<f32>, w: vec3<f32>) -> f32 {
+    let cosine = abs(dot(n, w));
+    return 2.0 * cosine / (cosine + facet_slope(m, n, w));
+}
+
+// G₂/G₁(o): part of the facets that o sees which i sees as well.
+fn facet_seen_again(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    let cos_i = max(0.0, dot(n, wi));
+    let cos_o = dot(n, wo);
+    let slope_o = facet_slope(m, n, wo);
+    return cos_i * (cos_o + slope_o) / (cos_i * slope_o + cos_o * facet_slope(m, n, wi));
 }
 
 // Part of the light at this cosine that facets mask from each other: it is scattered again and again [E41].
@@ -63,7 +89,8 @@ fn microfacet_again(m: PackedMaterial, tint: Bands, cos_i: f32, cos_o: f32) -> B
     if (m.flag_bits & (CONDUCTOR | SCHLICK)) == 0u {
         return Bands(0.0);
     }
-    let lost = ggx_lost_average(m.alpha);
+    let alpha = masking_alpha(m);
+    let lost = ggx_lost_average(alpha);
     // of even light, as Schlick's formula has it
     var even = (20.0 * tint + 1.0) / 21.0;
     if (m.flag_bits & CONDUCTOR) != 0u {
@@ -71,8 +98,8 @@ fn microfacet_again(m: PackedMaterial, tint: Bands, cos_i: f32, cos_o: f32) -> B
     }
     let kept = even * even * (1.0 - lost) / (1.0 - even * lost);
     // none where the fit does not reach
-    let rough = clamp((m.alpha - 0.02) / 0.03, 0.0, 1.0);
-    return kept * (rough * ggx_lost(m.alpha, cos_i) * ggx_lost(m.alpha, cos_o) / (PI * lost));
+    let rough = clamp((alpha - 0.02) / 0.03, 0.0, 1.0);
+    return kept * (rough * ggx_lost(alpha, cos_i) * ggx_lost(alpha, cos_o) / (PI * lost));
 }
 
 fn microfacet_eval(m: PackedMaterial, tint: Bands, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> Bands {
@@ -82,23 +109,23 @@ fn microfacet_eval(m: PackedMaterial, tint: Bands, n: vec3<f32>, wi: vec3<f32>, 
         return Bands(0.0);
     }
     let h = normalize(wi + wo);
-    let visible = 0.5 / (cos_i * ggx_slope(m.alpha, cos_o) + cos_o * ggx_slope(m.alpha, cos_i));
-    return facet_reflectance(m, tint, dot(wo, h)) * (ggx_density(m.alpha, n, h) * visible)
+    let visible = 0.5 / (cos_i * facet_slope(m, n, wo) + cos_o * facet_slope(m, n, wi));
+    return facet_reflectance(m, tint, dot(wo, h)) * (facet_density(m, n, h) * visible)
         + microfacet_again(m, tint, cos_i, cos_o);
 }
 
 // pdf_solid_angle of microfacet_sample: G₁ D / (4 cosθo).
-fn microfacet_pdf(alpha: f32, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+fn microfacet_pdf(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
     let cos_o = dot(n, wo);
     if dot(n, wi) <= 0.0 || cos_o <= 0.0 {
         return 0.0;
     }
-    return ggx_density(alpha, n, normalize(wi + wo)) / (2.0 * (cos_o + ggx_slope(alpha, cos_o)));
+    return facet_density(m, n, normalize(wi + wo)) / (2.0 * (cos_o + facet_slope(m, n, wo)));
 }
 
 // It may lie below the surface.
-fn microfacet_sample(alpha: f32, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
-    return normalize(reflect(-wo, ggx_normal(alpha, n, wo, u)));
+fn microfacet_sample(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+    return normalize(reflect(-wo, facet_normal(m, n, wo, u)));
 }
 
 // f cosθ / (albedo pdf) of a direction that was sampled so.
@@ -108,7 +135,7 @@ fn microfacet_weight(m: PackedMaterial, tint: Bands, n: vec3<f32>, wi: vec3<f32>
     if cos_i <= 0.0 || cos_o <= 0.0 {
         return Bands(0.0);
     }
-    let reflected = facet_reflectance(m, tint, dot(wo, normalize(wi + wo))) * ggx_seen_again(m.alpha, cos_i, cos_o);
-    let again = microfacet_again(m, tint, cos_i, cos_o) * (cos_i / max(microfacet_pdf(m.alpha, n, wi, wo), 1e-20));
+    let reflected = facet_reflectance(m, tint, dot(wo, normalize(wi + wo))) * facet_seen_again(m, n, wi, wo);
+    let again = microfacet_again(m, tint, cos_i, cos_o) * (cos_i / max(microfacet_pdf(m, n, wi, wo), 1e-20));
     return (reflected + again) / max(albedo, Bands(1e-20));
 }

@@ -39,11 +39,11 @@ fn microfacet_eval(m: PackedMaterial, tint: Bands, n: vec3<f32>, wi: vec3<f32>, 
     return Bands(0.0);
 }
 
-fn microfacet_pdf(alpha: f32, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+fn microfacet_pdf(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
     return 0.0;
 }
 
-fn microfacet_sample(alpha: f32, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+fn microfacet_sample(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     return n;
 }
 

@@ -52,20 +52,20 @@ fn rough_pdf(
     if cos_o <= 0.0 || cos_h <= 0.0 || (cos_w < 0.0) != transmits {
         return 0.0;
     }
-    let seen = 2.0 * ggx_density(m.alpha, n, h) / (cos_o + ggx_slope(m.alpha, cos_o));
+    let seen = 2.0 * facet_density(m, n, h) / (cos_o + facet_slope(m, n, -direction));
     return seen * select(0.25, cos_h * -cos_w / (facet.w * facet.w), transmits);
 }
 
-// f cosθ / (share pdf) of a facet's light, the share that of rough_reflectance; cos_w on the side to which it goes is not negative.
+// f cosθ / (share pdf) of a facet's light toward w, the share that of rough_reflectance.
 fn rough_carried(
-    m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, h: vec3<f32>, cos_w: f32,
+    m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, h: vec3<f32>, w: vec3<f32>,
 ) -> Bands {
     let reflected = rough_facet(m, clamp(-dot(direction, h), 0.0, 1.0), from_front);
     let share = rough_reflectance(m, n, direction, from_front);
     if transmits {
-        return (1.0 - reflected) / (1.0 - share) * ggx_seen(m.alpha, cos_w);
+        return (1.0 - reflected) / (1.0 - share) * facet_seen(m, n, w);
     }
-    return reflected / share * ggx_seen_again(m.alpha, max(0.0, cos_w), -dot(direction, n));
+    return reflected / share * facet_seen_again(m, n, w, -direction);
 }
 
 // The same toward w; 0 where that is on the other side.
@@ -77,7 +77,7 @@ fn rough_weight(
     if (cos_w < 0.0) != transmits {
         return Bands(0.0);
     }
-    return rough_carried(m, transmits, direction, n, from_front, h, abs(cos_w));
+    return rough_carried(m, transmits, direction, n, from_front, h, w);
 }
 
 struct RoughSample {
@@ -90,15 +90,15 @@ struct RoughSample {
 fn rough_sample(
     m: PackedMaterial, transmits: bool, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, from_front: bool, u: vec2<f32>,
 ) -> RoughSample {
-    let h = ggx_normal(m.alpha, n, -direction, u);
+    let h = facet_normal(m, n, -direction, u);
     if transmits {
         let d = refract_direction(direction, h, eta_across(m.ior, from_front));
         let is_across = dot(d, geometric) < 0.0 && dot(d, n) < 0.0;
-        let weight = rough_carried(m, transmits, direction, n, from_front, h, -dot(d, n));
+        let weight = rough_carried(m, transmits, direction, n, from_front, h, d);
         return RoughSample(d, select(Bands(0.0), weight, is_across));
     }
     let d = normalize(reflect(direction, h));
     let is_above = dot(d, geometric) > 0.0 && dot(d, n) > 0.0;
-    let weight = rough_carried(m, transmits, direction, n, from_front, h, dot(d, n));
+    let weight = rough_carried(m, transmits, direction, n, from_front, h, d);
     return RoughSample(d, select(Bands(0.0), weight, is_above));
 }

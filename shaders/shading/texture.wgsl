@@ -14,7 +14,7 @@ fn texture_place(triangle: u32, t: PackedTriangle, b: vec2<f32>) -> TexturePlace
     let area = length(across);
     let per_unit = sqrt(abs(d1.x * d2.y - d1.y * d2.x) / max(area, 1e-30));
     var place = TexturePlace(first.xy + b.x * d1 + b.y * d2, per_unit, vec3(0.0), vec3(0.0));
-    if HAS_RELIEF {
+    if HAS_RELIEF || HAS_ANISOTROPY {
         let unit = across / max(area, 1e-30);
         let along1 = cross(t.e2, unit) / max(area, 1e-30);
         let along2 = cross(unit, t.e1) / max(area, 1e-30);

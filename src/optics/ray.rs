@@ -194,6 +194,18 @@ pub(crate) fn lift(position: Vec3, normal: Vec3, triangle: &PackedTriangle) -> V
     position + normal * lift_of(normal, triangle)
 }
 
+impl SurfaceInteraction<'_> {
+    /// Where shadow rays to a direction start: lifted off the side that it is on.
+    pub(crate) fn origin_toward(&self, direction: Vec3) -> Vec3 {
+        toward(self.position, self.ng, self.triangle, direction)
+    }
+}
+
+/// `position` on `triangle`, lifted to the side of a direction; `normal` is that of either side.
+pub(crate) fn toward(position: Vec3, normal: Vec3, triangle: &PackedTriangle, direction: Vec3) -> Vec3 {
+    lift(position, if direction.dot(normal) < 0.0 { -normal } else { normal }, triangle)
+}
+
 /// True where nothing stands between two points that are already lifted off their surfaces.
 pub(crate) fn visible(scene: &PackedScene, from: Vec3, to: Vec3) -> bool {
     is_clear(scene, from, to, 0.0)

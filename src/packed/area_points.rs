@@ -129,11 +129,11 @@ fn is_buried(scene: &PackedScene, position: Vec3, normal: Vec3, number: u32) -> 
     })
 }
 
-/// True where a ray first meets the back of an opaque triangle.
+/// True where a ray first meets the back of a triangle through which no light comes.
 fn meets_back(scene: &PackedScene, origin: Vec3, direction: Vec3) -> bool {
     scene.bvh.closest(&scene.triangles, origin, direction, f32::INFINITY).is_some_and(|h| {
         let t = &scene.triangles[h.triangle as usize];
-        !scene.materials[t.material as usize].flags().is_dielectric() && direction.dot(t.normal()) > 0.0
+        !scene.materials[t.material as usize].flags().passes_light() && direction.dot(t.normal()) > 0.0
     })
 }
 

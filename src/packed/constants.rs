@@ -64,6 +64,8 @@ shared_constants! {
     pub const CHAIN_MAX: u32 = 63;
     /// … and whether the back of the triangle is seen.
     pub const BACK_SIDE: u32 = 1 << 30;
+    /// … and whether light of the other side is scattered through to there \[E55\].
+    pub const BOTH_SIDES: u32 = 1 << 31;
     /// A joton that meets what is there in part counts for those that went through, but for no more than one over this.
     pub const OPACITY_LEAST: f32 = 1.0 / 256.0;
     /// Width of what an eye path sees of a texture at once, in pixels: its passes lie all over the pixel, and blur what they see by one.
@@ -128,6 +130,10 @@ shared_constants! {
     pub const ROUGH_SHARE_MIN: f32 = 0.05;
     /// Microfacets of an α up to this are followed as mirrors are: such a lobe is as wide as Phong's of exponent 300, α² = 2/(e + 2).
     pub const FOLLOWED_ALPHA: f32 = 0.081_4;
+    /// Bits of the square of an anisotropy's strength …
+    pub const BRUSH_STRENGTH_BITS: u32 = 10;
+    /// … and of the angle of its way, over π.
+    pub const BRUSH_ANGLE_BITS: u32 = 13;
     /// Microfacets of a smaller α are a smooth surface.
     pub const SMOOTH_ALPHA: f32 = 1e-4;
     /// A normal of a relief that faces away from who sees it is turned to this cosine; it leaves the surface by no less.

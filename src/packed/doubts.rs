@@ -84,7 +84,7 @@ impl<'a> Look<'a> {
         for i in 0..AROUND {
             let direction = around(i);
             let (_, t) = self.hit(place, direction)?;
-            if self.flags(t).is_dielectric() || direction.dot(t.normal()) <= 0.0 {
+            if self.flags(t).passes_light() || direction.dot(t.normal()) <= 0.0 {
                 return None;
             }
             first.get_or_insert(t);
@@ -145,7 +145,7 @@ impl<'a> Look<'a> {
                     let direction = (x * phi.cos() + y * phi.sin()) * r + normal * (1.0 - u).max(0.0).sqrt();
                     self.hit(lifted, direction).is_some_and(|(distance, met)| {
                         let is_inside = direction.dot(met.normal()) > 0.0;
-                        let is_opaque = !self.flags(met).is_dielectric();
+                        let is_opaque = !self.flags(met).passes_light();
                         is_opaque
                             && (is_inside
                                 || met.material == t.material

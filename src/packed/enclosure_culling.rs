@@ -168,7 +168,7 @@ impl Walls<'_> {
         let material = self.scene.mesh.triangles[triangle as usize].material;
         let [a, b, c] = self.corners(triangle);
         let material = &self.packed.materials[material as usize];
-        let is_whole = !material.flags().is_dielectric() && material.opacity_texture().is_none();
+        let is_whole = !material.flags().passes_light() && material.opacity_texture().is_none();
         is_whole && a != b && b != c && c != a
     }
 

@@ -113,8 +113,8 @@ gpu_struct! {
     pub struct GatherPoint {
         /// Position, lifted off the surface toward the eye \[E27\]: where rays from it start.
         pub position: Vec3,
-        /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, and
-        /// `BACK_SIDE` where the back of the triangle is seen.
+        /// Index of the material in the low 24 bits, number of specular events (saturated at 63) above, `BACK_SIDE` where the back of the
+        /// triangle is seen, and `BOTH_SIDES` where light of the other side is, too.
         pub surface: u32,
         /// What the path carries, per band, without the BRDF; zero where there is no gather point.
         pub throughput: Bands,
@@ -134,7 +134,7 @@ gpu_struct! {
         pub albedo_high: u32,
         /// The bodies that it is in: [`crate::packed::Inside`].
         pub inside: u32,
-        /// α of its microfacets and how much of it is metal where these vary, half floats.
+        /// α of its microfacets and how much of it is metal where these vary, half floats; of what is translucent, how far it is lifted.
         pub facets: u32,
     }
     words 4 + BANDS + 9

@@ -22,9 +22,12 @@ impl MaterialFlags {
     pub(crate) const NORMAL_MAP: u32 = 1 << 14;
     pub(crate) const HEIGHT_MAP: u32 = 1 << 15;
     pub(crate) const RELATIVE_HEIGHT: u32 = 1 << 16;
+    pub(crate) const TRANSLUCENT: u32 = 1 << 23;
+    pub(crate) const ANISOTROPIC: u32 = 1 << 22;
+    pub(crate) const AROUND: u32 = 1 << 21;
 
     /// Name and value of each bit, as the kernels know it.
-    pub(super) const NAMED: [(&str, u32); 17] = [
+    pub(super) const NAMED: [(&str, u32); 20] = [
         ("DIFFUSE", Self::DIFFUSE),
         ("GLOSSY", Self::GLOSSY),
         ("SPECULAR", Self::SPECULAR),
@@ -42,6 +45,9 @@ impl MaterialFlags {
         ("NORMAL_MAP", Self::NORMAL_MAP),
         ("HEIGHT_MAP", Self::HEIGHT_MAP),
         ("RELATIVE_HEIGHT", Self::RELATIVE_HEIGHT),
+        ("TRANSLUCENT", Self::TRANSLUCENT),
+        ("ANISOTROPIC", Self::ANISOTROPIC),
+        ("AROUND", Self::AROUND),
     ];
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
@@ -107,6 +113,22 @@ impl MaterialFlags {
     /// Its heights are in widths of it.
     pub(crate) fn has_relative_height(self) -> bool {
         self.0 & Self::RELATIVE_HEIGHT != 0
+    }
+    /// Some light is scattered through to the other side \[E55\].
+    pub fn is_translucent(self) -> bool {
+        self.0 & Self::TRANSLUCENT != 0
+    }
+    /// Its microfacets are rougher one way than the other \[E56\].
+    pub fn is_anisotropic(self) -> bool {
+        self.0 & Self::ANISOTROPIC != 0
+    }
+    /// They are brushed around an axis, across which its texture coordinates are.
+    pub(crate) fn is_around(self) -> bool {
+        self.0 & Self::AROUND != 0
+    }
+    /// Light can come from the other side.
+    pub(crate) fn passes_light(self) -> bool {
+        self.is_dielectric() || self.is_translucent()
     }
     /// The front emits.
     pub fn is_emissive(self) -> bool {

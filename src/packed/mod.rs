@@ -9,6 +9,7 @@
 pub mod accel;
 mod area_points;
 mod bodies;
+mod brush;
 mod camera;
 #[doc(hidden)]
 pub mod constants;
@@ -35,6 +36,7 @@ pub mod wgsl;
 mod winding;
 
 pub use area_points::{AreaPoint, scatter as scatter_area_points};
+pub use brush::Brush;
 pub use camera::{CameraInfo, CameraRay, PackedCamera};
 pub use doubts::doubts;
 pub use emitters::{EmitterKind, FAR, PackedEmitter};

@@ -116,8 +116,9 @@ impl Curves {
         if !base.flags().is_dielectric() && !base.flags().has_facets() {
             // lobes that reflect no more than arrives as colours may do so at a wavelength
             for band in 0..BANDS {
-                let total = m.diffuse[band] * self.most + m.specular[band] + m.glossy[band];
-                for lobe in [&mut m.diffuse, &mut m.specular, &mut m.glossy] {
+                let matte = m.diffuse[band] + m.transmission[band];
+                let total = matte * self.most + m.specular[band] + m.glossy[band];
+                for lobe in [&mut m.diffuse, &mut m.transmission, &mut m.specular, &mut m.glossy] {
                     lobe[band] /= total.max(1.0);
                 }
             }

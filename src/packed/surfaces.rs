@@ -2,6 +2,7 @@
 
 use super::winding::corner;
 use crate::packed::accel::Face;
+use crate::packed::brush::Brush;
 use crate::packed::constants::{FOLLOWED_ALPHA, SMOOTH_ALPHA};
 use crate::packed::gpu_struct::gpu_struct;
 use crate::packed::material_flags::MaterialFlags;
@@ -21,7 +22,7 @@ pub const SMOOTH: u32 = 1;
 pub const CLEAR: u32 = 2;
 /// Bit of [`PackedTriangle::flags`]: the front emits.
 pub const LAMP: u32 = 4;
-/// Bit of [`PackedTriangle::flags`]: a texture lies on it.
+/// Bit of [`PackedTriangle::flags`]: a texture lies on it, or what has a way is brushed by its coordinates.
 pub const TEXTURED: u32 = 8;
 /// Bit of [`PackedTriangle::flags`]: some of it is not there \[E38\].
 pub const CUT: u32 = 16;
@@ -117,9 +118,9 @@ gpu_struct! {
         pub ior: f32,
         /// Glossy reflectance.
         pub glossy: Bands,
-        /// Phong exponent of the glossy lobe.
+        /// Phong exponent of the glossy lobe; of anisotropic microfacets the bits of [`Brush`].
         pub glossy_exponent: f32,
-        /// Transmission tint of a dielectric; black where opaque.
+        /// Transmission tint of a dielectric; of what is translucent the part that is scattered through \[E55\].
         pub transmission: Bands,
         /// Phong exponent about the mirror direction of what `specular` reflects, a lobe that is followed; 0 is a mirror.
         pub specular_exponent: f32,
@@ -148,6 +149,11 @@ gpu_struct! {
 }
 
 impl PackedMaterial {
+    /// How its microfacets are brushed.
+    pub fn brush(&self) -> Option<Brush> {
+        self.flags().is_anisotropic().then(|| Brush::unpacked(self.glossy_exponent))
+    }
+
     /// Pack a material.
     pub fn new(m: &Material) -> Self {
         let mut bits = 0;
@@ -166,9 +172,11 @@ impl PackedMaterial {
         let is_interface =
             m.dielectric.is_some_and(|d| (d.ior - 1.0).abs() > SAME_INDEX || m.interior.priority.is_some())
                 && !m.thin;
-        set(kind.is_some() || (is_interface && alpha > 0.0), MaterialFlags::FACETS);
+        let has_facets = kind.is_some() || (is_interface && alpha > 0.0);
+        set(has_facets, MaterialFlags::FACETS);
         // beside a mirror there is no room for a second lobe that is followed
         let narrow = |alpha: f32| {
+            let alpha = m.anisotropy.map_or(alpha, |brush| Brush::of(brush).mean_alpha(alpha));
             if kind.is_some() { alpha <= FOLLOWED_ALPHA } else { m.glossy_exponent > FOLLOWED_EXPONENT }
         };
         let followed = narrow(least_alpha) && is_black(&m.specular);
@@ -180,6 +188,9 @@ impl PackedMaterial {
         };
         let is_all_metal = m.metallic.as_ref().is_some_and(|metal| metal.map.is_none() && metal.most >= 1.0);
         let has_base = !is_black(&m.diffuse) && !is_all_metal;
+        let is_translucent = opaque && !is_black(&m.transmit);
+        let has_base = has_base || is_translucent;
+        set(is_translucent, MaterialFlags::TRANSLUCENT);
         set(opaque && has_base, MaterialFlags::DIFFUSE);
         set(opaque && !is_black(&glossy), MaterialFlags::GLOSSY);
         set(opaque && !is_black(&specular), MaterialFlags::SPECULAR);
@@ -200,6 +211,9 @@ impl PackedMaterial {
         set(matches!(relief, Some(ReliefKind::Heights { .. })), MaterialFlags::HEIGHT_MAP);
         let is_relative = matches!(relief, Some(ReliefKind::Heights { is_relative: true, .. }));
         set(is_relative, MaterialFlags::RELATIVE_HEIGHT);
+        let brush = m.anisotropy.filter(|_| has_facets);
+        set(brush.is_some(), MaterialFlags::ANISOTROPIC);
+        set(brush.is_some_and(|brush| brush.is_around), MaterialFlags::AROUND);
         let d = m.dielectric;
         let ior = d.map(|d| d.ior).or(coat).unwrap_or(1.0);
         let is_phong = followed && m.facets.is_none() && !is_black(&m.glossy);
@@ -209,8 +223,8 @@ impl PackedMaterial {
             specular: d.map_or(specular, |d| d.reflection_tint),
             ior,
             glossy: if opaque { glossy } else { BLACK },
-            glossy_exponent: m.glossy_exponent,
-            transmission: d.map_or(BLACK, |d| d.transmission_tint),
+            glossy_exponent: brush.map_or(m.glossy_exponent, |brush| Brush::of(brush).packed()),
+            transmission: d.map_or(m.transmit, |d| d.transmission_tint),
             specular_exponent: if is_phong { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
             textures: 0,
@@ -408,7 +422,7 @@ fn flags(is_smooth: bool, material: &Material) -> u32 {
     bit(is_smooth, SMOOTH)
         | bit(is_clear, CLEAR)
         | bit(!is_black(&material.emission), LAMP)
-        | bit(material.surface_textures().next().is_some(), TEXTURED)
+        | bit(material.surface_textures().next().is_some() || material.anisotropy.is_some(), TEXTURED)
         | bit(material.opacity.is_some(), CUT)
 }
 

@@ -129,7 +129,8 @@ impl Textures {
             }
         }
         let Packer { records, texels, .. } = packer;
-        if records.is_empty() {
+        let is_brushed = scene.materials.iter().any(|m| m.anisotropy.is_some());
+        if records.is_empty() && !is_brushed {
             return Self::default();
         }
         let uvs_of = |&i: &u32| {

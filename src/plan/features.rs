@@ -32,8 +32,12 @@ pub struct Features {
     pub dispersion: bool,
     /// Some surface has a glossy lobe.
     pub glossy: bool,
+    /// Some surface scatters light through itself.
+    pub translucent: bool,
     /// Some surface is of microfacets.
     pub facets: bool,
+    /// Some microfacets are rougher one way than the other.
+    pub anisotropy: bool,
     /// Some lobe that is followed has a width, and there are lights.
     pub followed_light: bool,
     /// Some emitter is not a triangle.
@@ -80,7 +84,17 @@ impl Features {
                 Reason::NothingDisperses,
             ),
             glossy: needs(facts::has(scene, |m| m.has_glossy()), Part::GlossyLobes, Reason::NoGlossySurface),
+            translucent: needs(
+                facts::has(scene, |m| m.is_translucent()),
+                Part::Translucency,
+                Reason::NothingTranslucent,
+            ),
             facets: needs(facts::has(scene, |m| m.has_facets()), Part::Microfacets, Reason::NoMicrofacets),
+            anisotropy: needs(
+                facts::has(scene, |m| m.is_anisotropic()),
+                Part::Anisotropy,
+                Reason::NothingBrushed,
+            ),
             followed_light: facts::shows_lights_in_followed_lobes(scene),
             smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
             delta_lights: needs(
@@ -94,7 +108,7 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 17] {
+    pub fn named(&self) -> [(&'static str, bool); 19] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
@@ -108,7 +122,9 @@ impl Features {
             ("HAS_WAVELENGTHS", self.wavelengths),
             ("HAS_DISPERSION", self.dispersion),
             ("HAS_GLOSSY", self.glossy),
+            ("HAS_TRANSLUCENT", self.translucent),
             ("HAS_FACETS", self.facets),
+            ("HAS_ANISOTROPY", self.anisotropy),
             ("HAS_FOLLOWED_LIGHT", self.followed_light),
             ("HAS_DELTA_LIGHTS", self.delta_lights),
             ("HAS_CONTACTS", self.contacts),

@@ -36,8 +36,12 @@ pub enum Part {
     Dispersion,
     /// Code for glossy lobes.
     GlossyLobes,
+    /// Code for light that is scattered through a surface.
+    Translucency,
     /// Code for microfacets, and what reflects as metal or a coat does.
     Microfacets,
+    /// Code for microfacets that are rougher one way than the other.
+    Anisotropy,
     /// Code and buffer for shading normals.
     ShadingNormals,
     /// Code for lights that are no surfaces.
@@ -102,8 +106,12 @@ pub enum Reason {
     PlainBodies,
     /// No surface is glossy.
     NoGlossySurface,
+    /// No surface scatters light through itself.
+    NothingTranslucent,
     /// No surface is of microfacets.
     NoMicrofacets,
+    /// All microfacets are as rough one way as the other.
+    NothingBrushed,
     /// No triangle has shading normals.
     AllFlat,
     /// No light is a point, a spot or a sun.
@@ -141,7 +149,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 27] = [
+    pub const ALL: [Part; 29] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -157,7 +165,9 @@ impl Part {
         Part::Media,
         Part::Dispersion,
         Part::GlossyLobes,
+        Part::Translucency,
         Part::Microfacets,
+        Part::Anisotropy,
         Part::ShadingNormals,
         Part::DeltaLights,
         Part::Contacts,
@@ -189,7 +199,9 @@ impl Part {
             Part::Media => "media",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy-lobes",
+            Part::Translucency => "translucency",
             Part::Microfacets => "microfacets",
+            Part::Anisotropy => "anisotropy",
             Part::ShadingNormals => "shading-normals",
             Part::DeltaLights => "delta-lights",
             Part::Contacts => "contacts",
@@ -222,7 +234,9 @@ impl Part {
             Part::Media => "absorption and priorities of bodies",
             Part::Dispersion => "dispersion",
             Part::GlossyLobes => "glossy lobes",
+            Part::Translucency => "diffuse transmission",
             Part::Microfacets => "microfacets",
+            Part::Anisotropy => "anisotropy",
             Part::ShadingNormals => "shading normals",
             Part::DeltaLights => "point, spot and sun lights",
             Part::Contacts => "order of faces in one place",
@@ -276,7 +290,9 @@ impl Reason {
             Reason::NothingCut => "all of every surface is there",
             Reason::PlainBodies => "no body absorbs light or has a priority",
             Reason::NoGlossySurface => "no surface is glossy",
+            Reason::NothingTranslucent => "no surface scatters light through itself",
             Reason::NoMicrofacets => "no surface is metal, coated or rough by roughness",
+            Reason::NothingBrushed => "no surface is rougher one way than the other",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
             Reason::NothingTouches => "no two faces lie in one place",
@@ -319,7 +335,9 @@ impl Reason {
             Reason::NothingCut => "an opacity",
             Reason::PlainBodies => "absorption, or a priority",
             Reason::NoGlossySurface => "a glossy surface",
+            Reason::NothingTranslucent => "transmit of a matte surface",
             Reason::NoMicrofacets => "metal, plastic or rough glass",
+            Reason::NothingBrushed => "an anisotropy",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",
             Reason::NothingTouches => "faces that touch",

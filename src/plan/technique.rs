@@ -44,7 +44,7 @@ fn look(scene: &PackedScene, seed: u32, seen: &VisiblePoints, has_caustics: bool
     let every = seen.points().len().div_ceil(PLACES).max(1);
     let mut places: Vec<&VisiblePoint> = seen.points().iter().step_by(every).collect();
     let [low, high] = scene.bounds;
-    places.sort_by_cached_key(|place| along_curve((place.origin - low) / (high - low).max_element()));
+    places.sort_by_cached_key(|place| along_curve((place.near.origin - low) / (high - low).max_element()));
     let paths: Vec<[(f64, bool); PATHS as usize]> = places
         .par_iter()
         .enumerate()
@@ -87,7 +87,8 @@ fn along_curve(place: Vec3) -> u32 {
 /// the path was over.
 fn irradiance(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u32, number: u32) -> (f64, bool) {
     let u = sobol2(number, sequence_seed(seed, index, STREAM_TECHNIQUE));
-    let mut ray = Ray::new(place.origin, to_world(cosine_hemisphere(u), place.normal));
+    let side = place.side(number);
+    let mut ray = Ray::new(side.origin, to_world(cosine_hemisphere(u), side.normal));
     let mut throughput = [1.0; BANDS];
     let mut found = 0.0;
     // pdf_solid_angle of the last D event where a shadow ray competes: not of the first, whose light is direct
@@ -121,9 +122,10 @@ fn irradiance(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u32, 
 fn shown_directly(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u32) -> f64 {
     let one = |k: u32| {
         let [x, y, ..] = random4(seed, PATHS + k, index, DIMENSION_TECHNIQUE);
-        let Some(l) = sample_light(scene, &scene.emitters, place.origin, [x, y]) else { return 0.0 };
-        let cos_s = l.wi.dot(place.normal);
-        if cos_s <= 0.0 || !visible(scene, place.origin, l.target) {
+        let side = place.side(k);
+        let Some(l) = sample_light(scene, &scene.emitters, side.origin, [x, y]) else { return 0.0 };
+        let cos_s = l.wi.dot(side.normal);
+        if cos_s <= 0.0 || !visible(scene, side.origin, l.target) {
             return 0.0;
         }
         sum(&l.irradiance) * f64::from(cos_s * FRAC_1_PI)
@@ -135,8 +137,8 @@ fn shown_directly(scene: &PackedScene, seed: u32, place: &VisiblePoint, index: u
 fn direct(scene: &PackedScene, s: &SurfaceInteraction, bsdf: &Bsdf, throughput: &Bands, u: [f32; 4]) -> f64 {
     let origin = lift(s.position, s.ng, s.triangle);
     let Some(l) = sample_light(scene, &scene.emitters, origin, [u[0], u[1]]) else { return 0.0 };
-    let cos_s = l.wi.dot(s.ns);
-    if cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 || !visible(scene, origin, l.target) {
+    let cos_s = bsdf.cosine(l.wi);
+    if cos_s <= 0.0 || !visible(scene, s.origin_toward(l.wi), l.target) {
         return 0.0;
     }
     let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + bsdf.pdf_scatter(l.wi)) } else { 1.0 };

@@ -258,7 +258,7 @@ fn indirect<'a>(
     for vertex in 0..EVENTS_MAX {
         let (s, bsdf) = &from;
         let [u_lobe, u0, u1, u_survive] = draw();
-        let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| wi.dot(s.ng) > 0.0);
+        let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| bsdf.cosine(*wi) > 0.0);
         let Some(wi) = leaving else { break };
         let left = mul(&carried, &bsdf.weight_scatter(wi));
         let limit = if vertex < SURE_EVENTS { 1.0 } else { SURVIVAL_MAX };
@@ -314,8 +314,7 @@ fn shadow(
     let mut found = Mean::default();
     let lights = plan.guides.direct.emitters(&scene.emitters);
     if let Some(light) = sample_light(scene, lights, s.position, [u, v])
-        && light.wi.dot(s.ng) > 0.0
-        && light.wi.dot(s.ns) > 0.0
+        && bsdf.cosine(light.wi) > 0.0
     {
         found.rays += 1.0;
         found.steps += steps(scene, &s.leave(light.wi), (light.target - s.position).length(), true);

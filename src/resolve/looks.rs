@@ -58,7 +58,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
         }
         let throughput = scale(&arrives, shares.kept() / followed);
         if goes_on(0) {
-            let varies = bsdf.scatter.varies();
+            let varies = bsdf.scatter.varies() || bsdf.scatter.crosses();
             let place = Place {
                 position: s.position,
                 normal: bsdf.shading_normal(),

@@ -6,7 +6,7 @@ use super::obj::{ObjFile, UsedMaterial};
 use super::scene_file::{Called, MadeOf, MaterialEntry};
 use super::texture::store::Store;
 use super::warnings::{Named, Warnings, listed};
-use super::{Material, Mesh, rule, text};
+use super::{Anisotropy, Material, Mesh, rule, text};
 use crate::{Error, Result};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -66,7 +66,7 @@ impl<'a> Assembly<'a> {
 
     /// Texture coordinates are kept where some material has textures; a warning tells which triangles of such have none.
     fn settle_uvs(&mut self, warnings: &mut Warnings) {
-        if !self.materials.iter().any(Material::has_texture) {
+        if !self.materials.iter().any(|m| m.has_texture() || m.anisotropy.is_some()) {
             self.mesh.uvs = Vec::new();
             self.mesh.triangles.iter_mut().for_each(|t| t.uv = None);
             return;
@@ -149,6 +149,19 @@ impl<'a> Assembly<'a> {
         let index = self.push_stated(&raw, scene, line, warnings)?;
         self.named.insert(&name.value, index);
         Ok(Some(index))
+    }
+
+    /// The same material where it is brushed around the axis of a shape; nothing where it is not brushed, or has pictures.
+    pub(super) fn around(&mut self, material: u32) -> Option<u32> {
+        let stated = &self.materials[material as usize];
+        let anisotropy = stated.anisotropy.filter(|_| !stated.has_texture())?;
+        let around =
+            Material { anisotropy: Some(Anisotropy { is_around: true, ..anisotropy }), ..stated.clone() };
+        if let Some(known) = self.materials.iter().position(|m| *m == around) {
+            return Some(known as u32);
+        }
+        let origin = self.origins[material as usize].clone();
+        Some(self.push(around, origin))
     }
 
     /// Adds the material of what says nothing of it; its number.
@@ -308,6 +321,7 @@ impl RawMaterial {
             kd: if colours { theirs.kd } else { self.spectra.kd.clone() },
             ks: if other.ks.is_some() { theirs.ks } else { self.spectra.ks.clone() },
             tf: if other.tf.is_some() { theirs.tf } else { self.spectra.tf.clone() },
+            transmit: if other.transmit.is_some() { theirs.transmit } else { self.spectra.transmit.clone() },
             ke: if emissions { theirs.ke } else { self.spectra.ke.clone() },
             absorption: if other.absorption.is_some() {
                 theirs.absorption
@@ -329,10 +343,13 @@ impl RawMaterial {
             ke,
             map_ke,
             tf: other.tf.or(self.tf),
+            transmit: other.transmit.or(self.transmit),
             ni: other.ni.or(self.ni),
             ns: other.ns.or(if states_roughness { None } else { self.ns }),
             pr: other.pr.or(if other.ns.is_some() || states_roughness { None } else { self.pr }),
             alpha: other.alpha.or(if other.ns.is_some() || states_roughness { None } else { self.alpha }),
+            aniso: other.aniso.or(self.aniso),
+            anisor: other.anisor.or(self.anisor),
             pm: if states_metal { other.pm } else { self.pm.filter(|_| !is_replaced) },
             norm,
             bump,

@@ -9,12 +9,14 @@
 use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, RawMaterial};
 use super::texture::{NumberMap, Texture};
-use super::{FacetKind, Facets, Inner, Material, Metallic};
+use super::{Anisotropy, FacetKind, Facets, Inner, Material, Metallic};
 use crate::spectrum::{self, BLACK, Bands};
 use std::sync::Arc;
 
 /// Index of refraction of a coat where nothing is said: that of most lacquers and plastics.
 const COAT_IOR: f32 = 1.5;
+/// α of GGX below which a surface is smooth.
+const SMOOTH_ALPHA: f32 = 1e-4;
 /// Roughness of a principled material where nothing is said.
 const PRINCIPLED_ROUGHNESS: f32 = 0.5;
 
@@ -135,10 +137,27 @@ pub(super) fn apply(
             let alpha = alpha(0.0);
             result.facets = (alpha > 0.0).then_some(Facets { alpha, kind: FacetKind::Interface });
             result.roughness = roughness.filter(|_| result.facets.is_some());
+            result.anisotropy = anisotropy(raw, result, warn);
             return false;
         }
         _ => return false,
     }
     result.roughness = roughness.filter(|_| result.facets.is_some());
+    result.anisotropy = anisotropy(raw, result, warn);
     true
+}
+
+/// How the microfacets are brushed; smooth ones are not.
+fn anisotropy(
+    raw: &RawMaterial,
+    result: &Material,
+    warn: &mut impl FnMut(Option<usize>, &str),
+) -> Option<Anisotropy> {
+    let At { value, line } = raw.aniso.filter(|aniso| aniso.value > 0.0)?;
+    if result.facets.is_none_or(|facets| facets.alpha < SMOOTH_ALPHA) {
+        warn(Some(line), "anisotropy means nothing where it is smooth; give a roughness");
+        return None;
+    }
+    let rotation = std::f32::consts::TAU * raw.anisor.map_or(0.0, |turns| turns.value);
+    Some(Anisotropy { strength: value.min(1.0), rotation, is_around: false })
 }

@@ -297,7 +297,7 @@ fn mark(mesh: &mut Mesh, materials: &mut Vec<Material>, thin: &[u32]) {
             if !has_body[number as usize] {
                 let pane = &mut materials[number as usize];
                 // a pane is smooth
-                (pane.thin, pane.facets) = (true, None);
+                (pane.thin, pane.facets, pane.anisotropy) = (true, None, None);
                 return number;
             }
             materials.push(Material { thin: true, facets: None, ..materials[number as usize].clone() });

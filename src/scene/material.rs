@@ -11,8 +11,8 @@ pub(crate) const GREY: Bands = [0.5; BANDS];
 /// All light.
 pub(crate) const WHITE: Bands = [1.0; BANDS];
 
-/// A surface. An opaque one reflects `diffuse` (times its texels) + `glossy` + `specular` ≤ 1 per band; a dielectric has none of these
-/// but reflects and transmits by Fresnel.
+/// A surface. An opaque one reflects `diffuse` (times its texels) + `glossy` + `specular` ≤ 1 per band, and what it scatters through itself
+/// counts there, too; a dielectric has none of these but reflects and transmits by Fresnel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Name in the file.
@@ -29,6 +29,8 @@ pub struct Material {
     pub glossy_exponent: f32,
     /// The glossy lobe, or the boundary of a transparent body, is of microfacets.
     pub facets: Option<Facets>,
+    /// The microfacets are brushed: rougher one way than the other.
+    pub anisotropy: Option<Anisotropy>,
     /// Roughness of the microfacets where it varies: the square root of their α at each place. `facets` says the most of it.
     pub roughness: Option<NumberMap>,
     /// What of it is metal of the colour that `diffuse` and its texture make at each place; none where that is the same all over, as
@@ -38,6 +40,9 @@ pub struct Material {
     pub relief: Option<Relief>,
     /// Mirror reflectance per band.
     pub specular: Bands,
+    /// Part of light per band that is scattered through to the other side of the surface, as paper does; where `diffuse_texture` is
+    /// there, of its texels \[E55\].
+    pub transmit: Bands,
     /// Glass, water: the boundary of a transparent body.
     pub dielectric: Option<Dielectric>,
     /// The dielectric is a pane without thickness: both of its faces lie in one place \[E26\].
@@ -90,6 +95,18 @@ pub struct Facets {
     pub alpha: f32,
     /// What they are of.
     pub kind: FacetKind,
+}
+
+/// Microfacets that are rougher one way than the other, as glTF has it: α goes to 1 with the square of the strength along one way of the
+/// surface, and stays across it \[E56\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anisotropy {
+    /// 0 to 1.
+    pub strength: f32,
+    /// From the way of the surface to that in which it is rougher, counter-clockwise as seen from its front, radians.
+    pub rotation: f32,
+    /// The way of the surface goes around an axis, across which its texture coordinates are; else it is where these grow to the right.
+    pub is_around: bool,
 }
 
 /// What reflects, by Fresnel \[E40\].
@@ -150,10 +167,12 @@ impl Material {
             glossy: BLACK,
             glossy_exponent: 0.0,
             facets: None,
+            anisotropy: None,
             roughness: None,
             metallic: None,
             relief: None,
             specular: BLACK,
+            transmit: BLACK,
             dielectric: None,
             thin: false,
             interior: Interior::default(),

@@ -52,6 +52,8 @@ pub(crate) struct RawSpectra {
     pub(crate) ks: Option<Spectrum>,
     /// Of `tf`.
     pub(crate) tf: Option<Spectrum>,
+    /// Of `transmit`.
+    pub(crate) transmit: Option<Spectrum>,
     /// Of `ke`.
     pub(crate) ke: Option<Emission>,
     /// Of `absorption`.
@@ -95,6 +97,8 @@ pub(crate) struct RawMaterial {
     pub(crate) ke: Option<At<Bands>>,
     /// Transmission filter.
     pub(crate) tf: Option<At<Bands>>,
+    /// Set by a scene file: what is scattered through to the other side.
+    pub(crate) transmit: Option<At<Bands>>,
     /// Transmission colour, in no specification.
     pub(crate) kt: Option<At<Bands>>,
     /// Index of refraction.
@@ -107,6 +111,10 @@ pub(crate) struct RawMaterial {
     pub(crate) pm: Option<At<f32>>,
     /// Set by a scene file: roughness α of GGX, instead of `pr`.
     pub(crate) alpha: Option<At<f32>>,
+    /// Strength of the anisotropy …
+    pub(crate) aniso: Option<At<f32>>,
+    /// … and its way, turns.
+    pub(crate) anisor: Option<At<f32>>,
     /// Set by a scene file: a metal by its name.
     pub(crate) metal: Option<Metal>,
     /// Set by a scene file: the real part of a metal's index.
@@ -208,6 +216,8 @@ fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Resu
         "ni" => material.ni = at(number(rest)?),
         "ns" => material.ns = at(number(rest)?),
         "pr" => material.pr = at(number(rest)?),
+        "aniso" => material.aniso = at(number(rest)?),
+        "anisor" => material.anisor = at(number(rest)?),
         "d" => material.d = at(number(rest.strip_prefix("-halo").unwrap_or(rest))?),
         "tr" => material.tr = at(number(rest)?),
         "illum" => material.illum = at(number(rest)?),

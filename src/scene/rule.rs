@@ -15,8 +15,8 @@
 //!    the material is principled (`facets.rs`). Glass is rough by Pr. map_Pr and map_Pm stand in place of Pr and Pm.
 //! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. map_Kd multiplies Kd; where Kd is black or
 //!    absent it stands alone, and in Blender's libraries it always does. Where it cannot be read, such a Kd is grey 0.5.
-//! 7. Where the reflectances sum to more than 1 in a band, all are scaled down by one factor; of a texture the largest texel
-//!    counts.
+//! 7. Where the reflectances sum to more than 1 in a band, with what is transmitted, all are scaled down by one factor; of a texture the
+//!    largest texel counts.
 //! 8. map_d is the opacity of what is opaque and does not shine: its own, else its luminance. d or Tr alone never make an
 //!    opaque material transparent.
 
@@ -78,6 +78,11 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
         let what = format!("material \"{}\": {key} of what is no glass", raw.name);
         return Err(Error::scene(&raw.file, Some(line), what, "give type = \"glass\", or leave it out"));
     }
+    if let Some(transmit) = raw.transmit.filter(|_| !is_matte(raw, kind)) {
+        let what = format!("material \"{}\": transmit of what is not matte", raw.name);
+        let remedy = "give type = \"matte\", or \"glossy\" with an exponent; bodies of glass have tint";
+        return Err(Error::scene(&raw.file, Some(transmit.line), what, remedy));
+    }
     result.relief = relief;
     (result.emission, result.emission_texture) = emission;
     if kind == Kind::Glass {
@@ -120,14 +125,15 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
         }
         _ => {}
     }
-    let matte = spectrum::mul(&result.diffuse, &most);
+    result.transmit = raw.transmit.map_or(BLACK, |transmit| transmit.value);
+    let matte = spectrum::mul(&spectrum::add(&result.diffuse, &result.transmit), &most);
     let albedo = spectrum::add(&spectrum::add(&matte, &result.glossy), &result.specular);
     let largest = spectrum::max(&albedo);
     if largest > 1.0 {
         if largest > 1.0 + ALBEDO_SLACK {
             warn(None, "reflects more than it receives; its reflectances are scaled down to a sum of 1");
         }
-        for lobe in [&mut result.diffuse, &mut result.glossy, &mut result.specular] {
+        for lobe in [&mut result.diffuse, &mut result.transmit, &mut result.glossy, &mut result.specular] {
             *lobe = spectrum::scale(lobe, 1.0 / largest);
         }
     }
@@ -137,7 +143,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
 /// What is stated by wavelength, for the lobes that a material of this kind has; none where nothing is. Where how much of it is metal
 /// varies, `kd` is the colour of both.
 fn spectra(raw: &RawMaterial, kind: Kind, is_mixed: bool) -> Option<Arc<MaterialSpectra>> {
-    let RawSpectra { kd, ks, tf, ke, absorption, ni } = raw.spectra.clone();
+    let RawSpectra { kd, ks, tf, transmit, ke, absorption, ni } = raw.spectra.clone();
     let of = |is_meant: bool, spectrum: Option<Spectrum>| spectrum.filter(|_| is_meant);
     let is_glass = kind == Kind::Glass;
     // what is diffuse then follows from its colour
@@ -146,7 +152,7 @@ fn spectra(raw: &RawMaterial, kind: Kind, is_mixed: bool) -> Option<Arc<Material
         diffuse: of(!is_glass && !is_half_metal, kd),
         glossy: of(matches!(kind, Kind::Glossy | Kind::Metal | Kind::Plastic), ks.clone()),
         specular: of(is_glass || kind == Kind::Mirror, ks),
-        transmission: of(is_glass, tf),
+        transmission: if is_glass { tf } else { transmit },
         emission: ke,
         absorption: of(is_glass, absorption),
         index: ni.filter(|_| is_glass),
@@ -158,6 +164,12 @@ fn spectra(raw: &RawMaterial, kind: Kind, is_mixed: bool) -> Option<Arc<Material
 fn stated_of_interior(raw: &RawMaterial) -> Option<(&'static str, usize)> {
     let absorption = raw.absorption.map(|a| ("absorption", a.line));
     absorption.or(raw.priority.map(|p| ("priority", p.line)))
+}
+
+/// True for what has no lobe but Lambert's and Phong's: none lies under a coat.
+fn is_matte(raw: &RawMaterial, kind: Kind) -> bool {
+    let has_facets = raw.pr.is_some() || raw.alpha.is_some() || raw.map_pr.is_some();
+    kind == Kind::Matte || (kind == Kind::Glossy && !has_facets)
 }
 
 /// What `illum` and its companions ask for.
@@ -285,7 +297,9 @@ fn diffuse(
         if raw.kind.is_none() {
             warn(None, "no Kd; grey 0.5 is used");
         }
-        GREY
+        // or what is left of what is not transmitted
+        raw.transmit
+            .map_or(GREY, |through| std::array::from_fn(|b| GREY[b].min((1.0 - through.value[b]).max(0.0))))
     })
 }
 
@@ -314,6 +328,7 @@ fn check(raw: &RawMaterial) -> Result<()> {
         ("Ke", raw.ke),
         ("Tf", raw.tf),
         ("Kt", raw.kt),
+        ("transmit", raw.transmit),
         ("eta", raw.eta),
         ("k", raw.k),
     ];
@@ -336,6 +351,8 @@ fn check(raw: &RawMaterial) -> Result<()> {
         ("Pr", raw.pr),
         ("Pm", raw.pm),
         ("alpha", raw.alpha),
+        ("aniso", raw.aniso),
+        ("anisor", raw.anisor),
         ("d", raw.d),
         ("Tr", raw.tr),
         ("illum", raw.illum),
@@ -345,7 +362,7 @@ fn check(raw: &RawMaterial) -> Result<()> {
         if !value.is_finite() {
             return fail(line, key, "is not finite");
         }
-        if matches!(key, "Pr" | "Pm" | "alpha") && !(0.0..=1.0).contains(&value) {
+        if matches!(key, "Pr" | "Pm" | "alpha" | "aniso") && !(0.0..=1.0).contains(&value) {
             // what a scene file says is meant; libraries hold all sorts of numbers
             if value < 0.0 || raw.kind.is_some() && !raw.is_of_blender {
                 let what = format!("material \"{}\": {} of {value}", raw.name, in_words(key));
@@ -383,6 +400,7 @@ fn in_words(key: &str) -> &str {
     match key {
         "Pr" => "roughness",
         "Pm" => "metallic",
+        "aniso" => "anisotropy",
         key => key,
     }
 }

@@ -196,7 +196,7 @@ fn material_entry(table: Table, path: &Path) -> Result<MaterialEntry> {
 }
 
 /// What may be said of a material.
-const MATERIAL_KEYS: [&str; 22] = [
+const MATERIAL_KEYS: [&str; 25] = [
     "type",
     "kd",
     "ks",
@@ -219,6 +219,9 @@ const MATERIAL_KEYS: [&str; 22] = [
     "priority",
     "normal",
     "bump",
+    "transmit",
+    "anisotropy",
+    "anisotropy_rotation",
 ];
 
 /// Keys that some kinds of material alone read.
@@ -278,10 +281,11 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         None => Ok::<_, Error>(single(table.number(key)?)),
     };
     let opacity = if map_d.is_some() { None } else { opacity(table)? };
-    let [(kd, kd_spectrum), (ks, ks_spectrum), (tf, tf_spectrum)] = [
+    let [(kd, kd_spectrum), (ks, ks_spectrum), (tf, tf_spectrum), (transmit, transmit_spectrum)] = [
         if map_kd.is_some() { (None, None) } else { spectrum_entry::reflectance(table, "kd")? },
         spectrum_entry::reflectance(table, "ks")?,
         spectrum_entry::reflectance(table, "tint")?,
+        spectrum_entry::reflectance(table, "transmit")?,
     ];
     let (map_ke, (ke, ke_spectrum)) = match entry::emission(table, "ke", path)? {
         Some((stated, At { value, line })) => {
@@ -316,6 +320,7 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         ks,
         ke,
         tf,
+        transmit,
         ni,
         absorption,
         priority: table.integer("priority")?,
@@ -323,6 +328,7 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
             kd: kd_spectrum,
             ks: ks_spectrum,
             tf: tf_spectrum,
+            transmit: transmit_spectrum,
             ke: ke_spectrum,
             absorption: absorption_spectrum,
             ni: index,
@@ -338,6 +344,11 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         map_ke,
         norm,
         bump,
+        aniso: single(table.number("anisotropy")?),
+        // degrees
+        anisor: single(
+            table.number("anisotropy_rotation")?.map(|turn| At { value: turn.value / 360.0, ..turn }),
+        ),
         alpha: single(table.number("alpha")?),
         metal,
         eta,

@@ -121,6 +121,16 @@ impl Shape {
         Ok((shape, table.optional_vector("center")?.unwrap_or(DVec3::ZERO)))
     }
 
+    /// The axis about which a round one turns; none of those with sides that texture coordinates go along.
+    pub(crate) fn axis(&self) -> Option<DVec3> {
+        match *self {
+            Self::Sphere { .. } => Some(DVec3::Y),
+            Self::Disc { facing, .. } => Some(facing),
+            Self::Cylinder { axis, .. } | Self::Prism { axis, .. } => Some(axis),
+            Self::Cube { .. } | Self::Rectangle { .. } => None,
+        }
+    }
+
     /// How many triangles it has.
     pub(crate) fn triangles(&self) -> u64 {
         match *self {
@@ -183,6 +193,13 @@ fn positive(table: &Table, key: &str, value: Option<At<f64>>, default: f64) -> R
 fn sides(facing: DVec3) -> [DVec3; 2] {
     let across = DVec3::Y.cross(facing).try_normalize().unwrap_or(DVec3::X);
     [across, facing.cross(across)]
+}
+
+/// Give a shape about the origin its places across an axis as texture coordinates: what is brushed goes around it by these.
+pub(crate) fn set_around(mesh: &mut Mesh, axis: DVec3) {
+    let across = sides(axis);
+    mesh.uvs = mesh.positions.iter().map(|p| across.map(|side| p.dot(side) as f32)).collect();
+    mesh.triangles.iter_mut().for_each(|t| t.uv = Some(t.vertex));
 }
 
 /// Corners of a polygon whose edges come so near to its circle.

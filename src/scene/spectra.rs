@@ -14,7 +14,7 @@ pub struct MaterialSpectra {
     pub glossy: Option<Spectrum>,
     /// Of [`Material::specular`], or of what a dielectric reflects.
     pub specular: Option<Spectrum>,
-    /// Of what a dielectric transmits.
+    /// Of what a dielectric transmits, or of [`Material::transmit`].
     pub transmission: Option<Spectrum>,
     /// Of [`Material::emission`].
     pub emission: Option<Emission>,

@@ -5,6 +5,7 @@
 //! made where three standard errors, from the spread between groups of passes, lie within it: what passes is not luck,
 //! what fails is not noise.
 
+mod anisotropy;
 mod build;
 mod caustics;
 mod cie;
@@ -28,3 +29,4 @@ mod relief;
 mod scale;
 mod spectral;
 mod textures;
+mod translucent;

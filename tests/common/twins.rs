@@ -6,7 +6,9 @@ use joton::plan::{Part, Reason};
 use joton::scene::texture::{
     Bitmap, Channel, Filter, NumberMap, Opacity, Relief, ReliefKind, Space, Texels, Texture, f16,
 };
-use joton::scene::{FacetKind, Facets, Inner, Interior, Light, Material, MaterialSpectra, Metallic, Scene};
+use joton::scene::{
+    Anisotropy, FacetKind, Facets, Inner, Interior, Light, Material, MaterialSpectra, Metallic, Scene,
+};
 use joton::spectrum::glass::Index;
 use std::path::Path;
 use std::sync::Arc;
@@ -152,6 +154,25 @@ pub fn with_glow(scene: Scene) -> Scene {
         m.emission_texture = m.emits().then(|| glow.clone());
     }
     scene
+}
+
+/// The scene with all of its microfacets brushed, each material another way.
+pub fn brushed(mut scene: Scene) -> Scene {
+    for (i, m) in scene.materials.iter_mut().enumerate().filter(|(_, m)| m.facets.is_some()) {
+        m.anisotropy = Some(Anisotropy { strength: 0.8, rotation: 0.7 + i as f32, is_around: i % 3 == 2 });
+    }
+    scene
+}
+
+/// The scene with everything that is matte and does not shine of paper: half of its light comes through, a little bluer.
+pub fn of_paper(scene: Scene) -> Scene {
+    changed(scene, |m| {
+        if !m.emits() && m.dielectric.is_none() {
+            let halves = [0.45, 0.5, 0.55].map(|through| (through, 1.0 - through));
+            m.transmit = std::array::from_fn(|b| m.diffuse[b] * halves[b].0);
+            m.diffuse = std::array::from_fn(|b| m.diffuse[b] * halves[b].1);
+        }
+    })
 }
 
 /// The scene with every second square of what is matte and dark not there, and a part of the rest.
@@ -449,10 +470,22 @@ pub fn all(size: u32) -> Vec<Twins> {
             case("cornell, glossy", changed(file("cornell", size), glossy)),
         ),
         twins(
+            Part::Translucency,
+            Reason::NothingTranslucent,
+            cornell(),
+            case("cornell of paper", of_paper(file("cornell", size))),
+        ),
+        twins(
             Part::Microfacets,
             Reason::NoMicrofacets,
             case("cornell, glossy", changed(file("cornell", size), glossy)),
             case("cornell, coated", changed(file("cornell", size), coated)),
+        ),
+        twins(
+            Part::Anisotropy,
+            Reason::NothingBrushed,
+            case("cornell, coated", changed(file("cornell", size), coated)),
+            case("cornell, brushed", brushed(changed(file("cornell", size), coated))),
         ),
         twins(
             Part::ShadingNormals,

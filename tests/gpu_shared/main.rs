@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod anisotropy;
 mod bsdf;
 mod disc;
 mod disc_count;

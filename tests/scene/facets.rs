@@ -89,3 +89,80 @@ fn faults_of_facets_are_told() {
         );
     }
 }
+
+/// What is transmitted takes part in rule 7, has a default beside it, and is of what is matte alone.
+#[test]
+fn matte_surfaces_may_transmit() {
+    let leaf = material("type = \"matte\", kd = [0.2, 0.4, 0.1], transmit = [0.1, 0.3, 0.05]").unwrap();
+    assert_eq!((leaf.diffuse, leaf.transmit), ([0.2, 0.4, 0.1], [0.1, 0.3, 0.05]));
+    let paper = material("type = \"matte\", transmit = [0.8, 0.6, 0.2]").unwrap();
+    assert!(is_near(paper.diffuse, [0.2, 0.4, 0.5]) && is_near(paper.transmit, [0.8, 0.6, 0.2]), "{paper:?}");
+    let bright = material("type = \"matte\", kd = 0.8, transmit = [0.8, 0.4, 0.0]").unwrap();
+    assert!(is_near(bright.diffuse, [0.5; 3]) && is_near(bright.transmit, [0.5, 0.25, 0.0]), "{bright:?}");
+    // without a type: what of a mesh turns out to be matte
+    assert_eq!(material("kd = 0.5, transmit = 0.25").unwrap().transmit, [0.25; 3]);
+    assert!(material("type = \"glossy\", ks = 0.1, exponent = 20, transmit = 0.2").is_ok());
+    for keys in [
+        "type = \"glass\", transmit = 0.5",
+        "type = \"principled\", transmit = 0.5",
+        "type = \"glossy\", ks = 0.1, roughness = 0.4, transmit = 0.5",
+        "type = \"mirror\", transmit = 0.5",
+        "type = \"matte\", transmit = -0.5",
+    ] {
+        let refused = material(keys).expect_err(keys).to_string();
+        assert!(refused.contains("s.toml:3") && refused.contains("transmit"), "{refused}");
+    }
+}
+
+/// Brushed surfaces by scene files, in degrees, and by libraries, in turns; what is smooth is not brushed, with a warning.
+#[test]
+fn microfacets_may_be_brushed() {
+    let steel =
+        material("type = \"metal\", roughness = 0.4, anisotropy = 0.5, anisotropy_rotation = 90").unwrap();
+    let brush = steel.anisotropy.expect("it is brushed");
+    assert!((brush.strength, brush.is_around) == (0.5, false), "{brush:?}");
+    assert!((brush.rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6, "{brush:?}");
+    for keys in [
+        "type = \"plastic\", alpha = 0.1, anisotropy = 1",
+        "type = \"principled\", anisotropy = 0.1",
+        "type = \"glass\", roughness = 0.3, anisotropy = 0.1",
+        "type = \"glossy\", ks = 0.1, roughness = 0.4, anisotropy = 0.5",
+    ] {
+        assert!(material(keys).unwrap().anisotropy.is_some(), "{keys}");
+    }
+    let smooth = "type = \"metal\", anisotropy = 0.5";
+    assert_eq!(material(smooth).unwrap().anisotropy, None);
+    let refused =
+        material("type = \"metal\", roughness = 0.4, anisotropy = 1.5").expect_err("above 1").to_string();
+    assert!(refused.contains("s.toml:3") && refused.contains("anisotropy of 1.5"), "{refused}");
+    let of_library =
+        crate::folder::with_mtl("newmtl m\nPr 0.5\nPm 1\naniso 0.25\nanisor 0.5").expect("it is read");
+    let brush = of_library.materials[0].anisotropy.expect("it is brushed");
+    assert!((brush.strength - 0.25).abs() < 1e-6 && (brush.rotation - std::f32::consts::PI).abs() < 1e-6);
+}
+
+/// Round shapes are brushed around their axis, by coordinates across it; what has sides, along these.
+#[test]
+fn round_shapes_are_brushed_around_their_axis() {
+    for (kind, is_round) in
+        [("disc", true), ("cylinder", true), ("sphere", true), ("cube", false), ("rectangle", false)]
+    {
+        let toml = format!(
+            "[[shape]]\nkind = \"{kind}\"\nmaterial = {{ type = \"metal\", roughness = 0.4, anisotropy = 0.5 }}\n\
+             [[light]]\nkind = \"sun\"\ndirection = [0, -1, 0]\nirradiance = 1\n"
+        );
+        let scene = Folder::new(&[("s.toml", toml.as_bytes())]).load("s.toml").expect("it is read");
+        let t = scene.mesh.triangles[0];
+        let brush = scene.materials[t.material as usize].anisotropy.expect("it is brushed");
+        assert_eq!(brush.is_around, is_round, "{kind}");
+        let uv = t.uv.expect("coordinates").map(|uv| scene.mesh.uvs[uv as usize]);
+        if is_round {
+            // across y: as far from the middle as the place
+            for (uv, vertex) in uv.iter().zip(t.vertex) {
+                let p = scene.mesh.positions[vertex as usize];
+                let [u, v] = uv.map(f64::from);
+                assert!((u.hypot(v) - p.x.hypot(p.z)).abs() < 1e-6, "{kind}: {uv:?} at {p}");
+            }
+        }
+    }
+}

@@ -98,10 +98,12 @@ fn deprived(mut plan: Plan, part: Part) -> Option<Plan> {
         Part::Media => &mut features.media,
         Part::Dispersion => &mut features.dispersion,
         Part::GlossyLobes => &mut features.glossy,
+        Part::Translucency => &mut features.translucent,
         Part::FacetTextures => &mut features.facet_textures,
         Part::Relief => &mut features.relief,
         Part::Glow => &mut features.glow,
         Part::Microfacets => &mut features.facets,
+        Part::Anisotropy => &mut features.anisotropy,
         Part::ShadingNormals => &mut features.smooth_normals,
         Part::DeltaLights => &mut features.delta_lights,
         Part::Contacts => &mut features.contacts,
@@ -128,7 +130,7 @@ fn leaving_out_what_is_needed_changes_the_image() {
             assert!(own != less, "{:?}, {side:?}: {}", t.part, t.with.name);
         }
     }
-    assert_eq!(done.len(), 19, "{done:?}");
+    assert_eq!(done.len(), 21, "{done:?}");
 }
 
 /// What is not skipped cannot be kept: where a scene needs a part, `--no-skip` leaves plan and image as they are.

@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 30] = [
+const REASONS: [Reason; 32] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -55,7 +55,9 @@ const REASONS: [Reason; 30] = [
     Reason::PlainBodies,
     Reason::NothingDisperses,
     Reason::NoGlossySurface,
+    Reason::NothingTranslucent,
     Reason::NoMicrofacets,
+    Reason::NothingBrushed,
     Reason::AllFlat,
     Reason::AllLightsAreSurfaces,
     Reason::NothingTouches,

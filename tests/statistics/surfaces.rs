@@ -1,7 +1,7 @@
 //! Surfaces that vary by textures of other than colour: device, host and path tracer estimate the same radiance, as in `images.rs`.
 
 use crate::chi_square::Claims;
-use crate::common::twins::{with_facet_board, with_glow, with_relief};
+use crate::common::twins::{brushed, of_paper, with_facet_board, with_glow, with_relief};
 use crate::images::{by_wavelength, claim, narrow, pack};
 use crate::renders::{EVERYTHING, Planner, Side, file, pictures, pictures_of, plan, plan_by_map};
 use joton::film::Layer;
@@ -40,6 +40,22 @@ fn facets_that_vary_are_the_same_for_all() {
     let cornell = || with_facet_board(file("cornell.toml", SIZE));
     device_and_host_agree("cornell with a board of facets, by wavelength", &by_wavelength(cornell()));
     all_agree("furnace with a board of facets", &with_facet_board(file("furnace.toml", SIZE)), plan);
+}
+
+/// [E55] Light that is scattered through a surface: lamps and mirrors on either side, by shadow rays, by hits, by jotons that cross and those
+/// that lie on the far side.
+#[test]
+fn paper_is_the_same_for_all() {
+    crate::device_or_return!();
+    all_agree("spheres of paper, map", &of_paper(file("spheres.toml", SIZE)), plan_by_map);
+}
+
+/// [E56] Brushed walls, metal and glass whose roughness and metal vary.
+#[test]
+fn brushed_facets_are_the_same_for_all() {
+    crate::device_or_return!();
+    let board = brushed(with_facet_board(file("spheres.toml", SIZE)));
+    all_agree("spheres with a brushed board of facets", &board, plan);
 }
 
 /// [E49] Light from pictures: seen by itself, by shadow rays, by hits, and by jotons, aimed and by the map.

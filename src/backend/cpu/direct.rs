@@ -11,7 +11,7 @@ use crate::backend::Tally;
 use crate::optics::lights::pick::pdf_light;
 use crate::optics::lights::samples::LightSample;
 use crate::optics::lights::{is_near, le, on_miss};
-use crate::optics::ray::{SurfaceInteraction, lift, visible};
+use crate::optics::ray::{SurfaceInteraction, lift, toward, visible};
 use crate::packed::constants::NEAR_EMITTERS_MAX;
 use crate::packed::{PackedEmitter, PackedScene};
 use crate::plan::Plan;
@@ -95,14 +95,15 @@ impl<'a> Direct<'a> {
             return BLACK;
         };
         tally.rays += 1;
+        let origin = toward(g.position, g.ng, g.triangle, l.wi);
         if visible(self.scene, origin, l.target) { light } else { BLACK }
     }
 
     /// What a light sample, one of the candidates, gives if nothing shades it, with its share of the weight.
     fn unshadowed(&self, l: &LightSample, irradiance: &Bands) -> Bands {
         let g = self.g;
-        let cos_s = l.wi.dot(g.ns);
-        if cos_s <= 0.0 || l.wi.dot(g.ng) <= 0.0 {
+        let cos_s = g.bsdf.cosine(l.wi);
+        if cos_s <= 0.0 {
             return BLACK;
         }
         let pdf = self.number as f32 * l.pdf;
@@ -114,7 +115,8 @@ impl<'a> Direct<'a> {
     fn by_bsdf(&self, u: [f32; 4], tally: &mut Tally) -> Bands {
         let g = self.g;
         let Some(wi) = g.bsdf.sample_scatter(u[2], [u[0], u[1]]) else { return BLACK };
-        if wi.dot(g.ng) <= 0.0 {
+        let cos_s = g.bsdf.cosine(wi);
+        if cos_s <= 0.0 {
             return BLACK;
         }
         tally.rays += 1;
@@ -130,7 +132,7 @@ impl<'a> Direct<'a> {
             return BLACK;
         }
         // balance heuristic: f Le cos/pdf · pdf/(pdf + pdf_light)
-        let weight = wi.dot(g.ns) / (g.bsdf.pdf_scatter(wi) + pdf_light);
+        let weight = cos_s / (g.bsdf.pdf_scatter(wi) + pdf_light);
         scale(&mul(&g.bsdf.eval_scatter(wi), &found), weight)
     }
 }

@@ -6,7 +6,7 @@ use super::streams::{DIMENSION_EYE, EVENTS_MAX, STREAM_CHOICE, STREAM_EYE_BAND, 
 use crate::backend::Tally;
 use crate::film::paths::LightPaths;
 use crate::optics::lights::{le_seen, on_miss};
-use crate::optics::ray::{Ray, SurfaceInteraction, lift};
+use crate::optics::ray::{Ray, SurfaceInteraction, toward};
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::{CLIP_GRAZING, SURE_EVENTS, SURVIVAL_MAX};
 use crate::packed::{CameraRay, Inside, PackedScene, PackedTriangle};
@@ -40,9 +40,9 @@ pub(super) struct GatherPoint<'a> {
 }
 
 impl GatherPoint<'_> {
-    /// A ray that leaves it.
+    /// A ray that leaves it, on whichever side that is.
     pub(super) fn ray(&self, direction: Vec3) -> Ray {
-        Ray::new(lift(self.position, self.ng, self.triangle), direction).within(self.inside)
+        Ray::new(toward(self.position, self.ng, self.triangle, direction), direction).within(self.inside)
     }
 
     /// Width of the pixel on the surface, where it is longest, internal units.

@@ -66,7 +66,7 @@ pub(super) fn radiance(
     weights: Weights,
     accepted: Option<u32>,
 ) -> Bands {
-    let sum = if g.bsdf.scatter.varies() || accepted.is_some() {
+    let sum = if g.bsdf.scatter.varies() || g.bsdf.scatter.crosses() || accepted.is_some() {
         one_by_one(map, g, w, weights, accepted.unwrap_or(u32::MAX))
     } else {
         mul(&irradiance(map, w, weights), &g.bsdf.eval_scatter(g.ns))
@@ -119,7 +119,7 @@ fn one_by_one(map: &JotonMap, g: &GatherPoint, w: &Window, weights: Weights, acc
                     continue;
                 }
                 let weight = weights.constant + weights.slope[0] * x[lane] + weights.slope[1] * y[lane];
-                let f = g.bsdf.eval_scatter(joton.wi);
+                let f = g.bsdf.eval_scatter_from(joton.normal.dot(g.ng) < 0.0, joton.wi);
                 sum = add(&sum, &scale(&mul(&f, &joton.flux), weight));
             }
         }

@@ -71,7 +71,7 @@ pub(super) fn light(
     for vertex in 0.. {
         let u = draws.of(events, 1);
         let way = if events == 0 { even(STREAM_INDIRECT, number) } else { [u[1], u[2]] };
-        let leaving = here.bsdf.sample_scatter(u[0], way).filter(|wi| wi.dot(here.ng) > 0.0);
+        let leaving = here.bsdf.sample_scatter(u[0], way).filter(|wi| here.bsdf.cosine(*wi) > 0.0);
         let Some(wi) = leaving else { return sum };
         let throughput = mul(&here.throughput, &here.bsdf.weight_scatter(wi));
         // the first goes on for sure: neighbours share what it finds

@@ -176,7 +176,7 @@ impl<'a> Path<'a> {
                 let [_, l0, l1, _] = self.random(1);
                 self.events.push(Event::D);
                 self.next_event(&s, &bsdf, &throughput, [l0, l1]);
-                let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| wi.dot(s.ng) > 0.0);
+                let leaving = bsdf.sample_scatter(u_lobe, [u0, u1]).filter(|wi| bsdf.cosine(*wi) > 0.0);
                 if let Some(wi) = leaving {
                     throughput = mul(&throughput, &bsdf.weight_scatter(wi));
                     pdf_last = Some(bsdf.pdf_scatter(wi));
@@ -219,12 +219,12 @@ impl<'a> Path<'a> {
     fn next_event(&mut self, s: &SurfaceInteraction, bsdf: &Bsdf, throughput: &Bands, u: [f32; 2]) {
         let origin = lift(s.position, s.ng, s.triangle);
         let Some(l) = sample_light(self.scene, &self.scene.emitters, origin, u) else { return };
-        let cos_s = l.wi.dot(s.ns);
-        if cos_s <= 0.0 || l.wi.dot(s.ng) <= 0.0 {
+        let cos_s = bsdf.cosine(l.wi);
+        if cos_s <= 0.0 {
             return;
         }
         self.rays += 1;
-        if !visible(self.scene, origin, l.target) {
+        if !visible(self.scene, s.origin_toward(l.wi), l.target) {
             return;
         }
         let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + bsdf.pdf_scatter(l.wi)) } else { 1.0 };

@@ -221,11 +221,10 @@ impl Tracer<'_> {
 /// What a D event toward `w` leaves of the flux: f |w·Ng| / pdf (Veach 1997, 5.3) [E11]; the flux is already times
 /// |wi·Ns|/|wi·Ng|.
 fn scattered(s: &SurfaceInteraction, bsdf: &Bsdf, w: glam::Vec3) -> Bands {
-    let cos_ng = w.dot(s.ng);
-    if cos_ng <= 0.0 {
+    if bsdf.cosine(w) <= 0.0 {
         return [0.0; BANDS];
     }
-    let adjoint_out = if s.smooth { limited(cos_ng / w.dot(s.ns)) } else { 1.0 };
+    let adjoint_out = if s.smooth { limited(w.dot(s.ng) / w.dot(s.ns)) } else { 1.0 };
     scale(&bsdf.weight_scatter(w), adjoint_out)
 }
 

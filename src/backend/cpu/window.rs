@@ -20,6 +20,8 @@ pub(super) struct Window {
     by_own_plane: bool,
     /// Likewise for area points of the opposite orientation.
     sheet_max: f32,
+    /// Jotons of the other side count, too: what is scattered through \[E55\].
+    both_sides: bool,
     /// Walls: normals, and offsets from the centre.
     walls: Option<[(Vec3, f32); 2]>,
 }
@@ -41,6 +43,7 @@ impl Window {
             plane_max: GATHER_PLANE_SHARE * radius,
             by_own_plane: false,
             sheet_max: GATHER_SHEET_SHARE * radius,
+            both_sides: g.bsdf.scatter.crosses(),
             walls: None,
         }
     }
@@ -90,7 +93,9 @@ impl Window {
     #[inline(always)]
     pub(super) fn accept(&self, four: &Four) -> (BVec4A, [Vec4; 3]) {
         let (near, d, mut height) = self.near(four);
-        let facing = dot(&four.normal, self.normal).cmpgt(Vec4::splat(GATHER_NORMAL_COS));
+        let facing = dot(&four.normal, self.normal);
+        let facing = if self.both_sides { facing.abs() } else { facing };
+        let facing = facing.cmpgt(Vec4::splat(GATHER_NORMAL_COS));
         if self.by_own_plane {
             let [x, y, z] = four.normal;
             height = (d[0] * x + d[1] * y + d[2] * z).abs();

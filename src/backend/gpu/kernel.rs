@@ -86,6 +86,7 @@ impl Kernel {
             no_facets: is_without("HAS_FACETS"),
             no_media: is_without("HAS_MEDIA"),
             no_facet_textures: is_without("HAS_FACET_TEXTURES"),
+            no_anisotropy: is_without("HAS_ANISOTROPY"),
             no_relief: is_without("HAS_RELIEF"),
             no_glow: is_without("HAS_GLOW"),
             no_textures: is_without("HAS_TEXTURES") && is_without("HAS_CUTOUTS"),

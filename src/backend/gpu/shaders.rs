@@ -19,6 +19,8 @@ pub struct Variant {
     pub split_heap: bool,
     /// No surface is of microfacets.
     pub no_facets: bool,
+    /// No microfacets are rougher one way than the other.
+    pub no_anisotropy: bool,
     /// No microfacets vary over a surface.
     pub no_facet_textures: bool,
     /// No surface has a picture of normals or heights.
@@ -44,6 +46,8 @@ impl Variant {
             "shading/undercoat.wgsl" | "shading/microfacet.wgsl" | "shading/rough_interface.wgsl" => {
                 (self.no_facets, None)
             }
+            "shading/anisotropy.wgsl" => (self.no_anisotropy, Some("shading/no_anisotropy.wgsl")),
+            "shading/brushed_way.wgsl" => (self.no_anisotropy, Some("shading/no_brushed_way.wgsl")),
             "shading/facet_textures.wgsl" => (self.no_facet_textures, Some("shading/no_facet_textures.wgsl")),
             "shading/relief.wgsl" => (self.no_relief, Some("shading/no_relief.wgsl")),
             "lights/glow.wgsl" => (self.no_glow, Some("lights/no_glow.wgsl")),

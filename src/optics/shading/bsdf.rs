@@ -44,12 +44,26 @@ impl Scatter {
         self.lobes.iter().any(ScatterLobe::varies)
     }
 
-    /// f_r, 1/sr.
+    /// True where light goes to the other side, too.
+    pub(crate) fn crosses(&self) -> bool {
+        self.lobes.last().is_some_and(ScatterLobe::crosses)
+    }
+
+    /// f, 1/sr: of light from the other side, where some crosses, that of the lobe which does.
     #[inline]
     pub fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
+        self.eval_from(self.crosses() && wi.dot(n) < 0.0, wi, wo, n)
+    }
+
+    /// The same of light from beyond the surface, or from this side.
+    #[inline]
+    pub(crate) fn eval_from(&self, is_beyond: bool, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
         match &self.lobes[..] {
             [lobe] => lobe.eval(wi, wo, n),
-            lobes => lobes.iter().fold(BLACK, |sum, lobe| add(&sum, &lobe.eval(wi, wo, n))),
+            lobes => lobes
+                .iter()
+                .filter(|lobe| lobe.crosses() == is_beyond)
+                .fold(BLACK, |sum, lobe| add(&sum, &lobe.eval(wi, wo, n))),
         }
     }
 
@@ -79,14 +93,15 @@ impl Scatter {
             // rounding may leave a sum below one
             _ => self.shares().find(is_chosen).map(|(lobe, _)| lobe).or(self.lobes.last())?,
         };
-        Some(lobe.sample(wo, n, u)).filter(|wi| wi.dot(n) > 0.0)
+        Some(lobe.sample(wo, n, u))
+            .filter(|wi| if lobe.crosses() { wi.dot(n) < 0.0 } else { wi.dot(n) > 0.0 })
     }
 
     /// f_r cosθ / pdf_solid_angle of a direction that was sampled.
     pub(crate) fn weight(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
         match &self.lobes[..] {
             [ScatterLobe::Lambert(l)] => l.albedo,
-            _ => scale(&self.eval(wi, wo, n), wi.dot(n) / self.pdf(wi, wo, n)),
+            _ => scale(&self.eval(wi, wo, n), wi.dot(n).abs() / self.pdf(wi, wo, n)),
         }
     }
 }
@@ -140,6 +155,12 @@ impl Bsdf {
         self.scatter.eval(wi, self.frame.back, self.frame.ns)
     }
 
+    /// The same of light from beyond the surface, or from this side.
+    #[inline]
+    pub(crate) fn eval_scatter_from(&self, is_beyond: bool, wi: Vec3) -> Bands {
+        self.scatter.eval_from(is_beyond, wi, self.frame.back, self.frame.ns)
+    }
+
     /// pdf_solid_angle of [`Bsdf::sample_scatter`].
     pub(crate) fn pdf_scatter(&self, wi: Vec3) -> f32 {
         self.scatter.pdf(wi, self.frame.back, self.frame.ns)
@@ -155,6 +176,16 @@ impl Bsdf {
         self.scatter.weight(wi, self.frame.back, self.frame.ns)
     }
 
+    /// Cosine of light from a direction to the shading normal, or of light that leaves; 0 on a side of the surface where none does.
+    pub(crate) fn cosine(&self, w: Vec3) -> f32 {
+        let [shading, geometric] = [self.frame.ns, self.frame.ng].map(|n| w.dot(n));
+        match self.scatter.crosses() {
+            true if shading < 0.0 && geometric < 0.0 => -shading,
+            _ if shading > 0.0 && geometric > 0.0 => shading,
+            _ => 0.0,
+        }
+    }
+
     /// A direction in which a joton leaves a relief by the lobes that scatter, and f_r |w·Ng| / pdf_solid_angle with what limits the
     /// adjoint of shading normals: what is diffuse is drawn about the geometric normal, since eyes see it from all sides \[E48\].
     pub(crate) fn scatter_off_relief(&self, u_lobe: f32, u: [f32; 2]) -> Option<(Vec3, Bands)> {
@@ -166,7 +197,7 @@ impl Bsdf {
         };
         let (lobe, share) = self.scatter.shares().find(is_chosen)?;
         let (w, weight) = if lobe.is_diffuse() {
-            let w = to_world(cosine_hemisphere(u), ng);
+            let w = to_world(cosine_hemisphere(u), if lobe.crosses() { -ng } else { ng });
             (w, scale(&lobe.eval(w, back, relief::turned(ns, w)), PI))
         } else {
             let w = Some(lobe.sample(back, ns, u)).filter(|w| w.dot(ns) > 0.0 && w.dot(ng) > 0.0)?;

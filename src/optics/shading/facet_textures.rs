@@ -33,7 +33,7 @@ pub(super) fn at(m: &PackedMaterial, textures: &Textures, uv: [f32; 2], width: f
         tint = m.diffuse.map(|base| (1.0 - metallic) * head_on + metallic * (base * coat));
         result.diffuse = scale(&m.diffuse, 1.0 - metallic);
     }
-    let is_followed = alpha <= FOLLOWED_ALPHA;
+    let is_followed = m.brush().map_or(alpha, |brush| brush.mean_alpha(alpha)) <= FOLLOWED_ALPHA;
     (result.glossy, result.specular) = if is_followed { (BLACK, tint) } else { (tint, BLACK) };
     result.flag_bits &= !(MaterialFlags::GLOSSY | MaterialFlags::SPECULAR);
     if !is_black(&tint) {

@@ -1,6 +1,6 @@
 //! The material at a hit: what varies over a surface is looked up here. Twin: shaders/shading/material.wgsl.
 
-use super::{facet_textures, texture};
+use super::{anisotropy, facet_textures, texture};
 use crate::optics::ray::SurfaceInteraction;
 use crate::optics::shading::bsdf::Bsdf;
 use crate::packed::constants::TEXTURE_PIXELS;
@@ -26,9 +26,13 @@ impl Bsdf {
         let of_texture = width * place.per_unit;
         let coloured = m.colour_texture().map(|number| {
             let reflected = texture::in_bands(s.textures, s.of_texel, number, place.uv, of_texture);
-            PackedMaterial { diffuse: mul(&m.diffuse, &reflected), ..*m }
+            let transmission =
+                if m.flags().is_translucent() { mul(&m.transmission, &reflected) } else { m.transmission };
+            PackedMaterial { diffuse: mul(&m.diffuse, &reflected), transmission, ..*m }
         });
         let m = coloured.as_ref().unwrap_or(m);
+        let brushed = anisotropy::at(m, &place, s.plain, frame.ns);
+        let m = brushed.as_ref().unwrap_or(m);
         if m.flags().is_varied() {
             return Self::new(&facet_textures::at(m, s.textures, place.uv, of_texture), frame);
         }

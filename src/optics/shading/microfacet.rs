@@ -1,6 +1,7 @@
 //! A lobe of microfacets: f_r = F D V and what is scattered more than once, D the density of GGX's normals, V = G₂/(4 cosθi cosθo) with Smith's masking of correlated heights
 //! \[E41\] (Walter et al. 2007, Heitz 2014). Twin: shaders/shading/microfacet.wgsl.
 
+use crate::optics::shading::anisotropy::Brushed;
 use crate::optics::shading::fresnel::Fresnel;
 use crate::packed::PackedMaterial;
 use crate::packed::constants::GGX_LOST;
@@ -12,12 +13,23 @@ use std::f32::consts::PI;
 /// GGX normals of roughness α about a surface normal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ggx {
+    /// Of brushed ones that by which they mask each other.
     pub(super) alpha: f32,
+    pub(super) brushed: Option<Brushed>,
 }
 
 impl Ggx {
+    /// Of a material that has been met.
+    pub(super) fn of(m: &PackedMaterial) -> Self {
+        let brushed = Brushed::of(m);
+        Self { alpha: brushed.map_or(m.alpha, |brushed| brushed.masking_alpha()), brushed }
+    }
+
     /// Density of normals, 1/sr.
     fn density(&self, h: Vec3, n: Vec3) -> f32 {
+        if let Some(brushed) = &self.brushed {
+            return brushed.density(h, n);
+        }
         // a cross product: near the normal a cosine has no digits
         let sin2 = n.cross(h).length_squared();
         let cos = n.dot(h);
@@ -27,25 +39,31 @@ impl Ggx {
     }
 
     /// √(α² + (1 − α²) cos²): Smith's Λ is this over 2 cosθ, less a half.
-    fn slope(&self, cosine: f32) -> f32 {
+    fn slope(&self, w: Vec3, n: Vec3, cosine: f32) -> f32 {
+        if let Some(brushed) = &self.brushed {
+            return brushed.slope(w, n);
+        }
         let a2 = self.alpha * self.alpha;
         (a2 + (1.0 - a2) * cosine * cosine).sqrt()
     }
 
     /// G₂/(4 cosθi cosθo).
-    fn visibility(&self, cos_i: f32, cos_o: f32) -> f32 {
-        0.5 / (cos_i * self.slope(cos_o) + cos_o * self.slope(cos_i))
+    fn visibility(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+        let (cos_i, cos_o) = (wi.dot(n), wo.dot(n));
+        0.5 / (cos_i * self.slope(wo, n, cos_o) + cos_o * self.slope(wi, n, cos_i))
     }
 
     /// G₂/G₁(o): part of the facets that `o` sees which `i` sees as well.
-    pub(super) fn seen_again(&self, cos_i: f32, cos_o: f32) -> f32 {
-        let (slope_i, slope_o) = (self.slope(cos_i), self.slope(cos_o));
+    pub(super) fn seen_again(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+        let (cos_i, cos_o) = (wi.dot(n), wo.dot(n));
+        let (slope_i, slope_o) = (self.slope(wi, n, cos_i), self.slope(wo, n, cos_o));
         cos_i * (cos_o + slope_o) / (cos_i * slope_o + cos_o * slope_i)
     }
 
     /// G₁: part of the facets toward a direction that it sees.
-    pub(super) fn seen(&self, cosine: f32) -> f32 {
-        2.0 * cosine / (cosine + self.slope(cosine))
+    pub(super) fn seen(&self, w: Vec3, n: Vec3) -> f32 {
+        let cosine = w.dot(n).abs();
+        2.0 * cosine / (cosine + self.slope(w, n, cosine))
     }
 
     /// √α to the powers 0 to 3.
@@ -76,12 +94,16 @@ impl Ggx {
     }
 
     /// pdf_solid_angle of the mirror image of `wo` about one of [`Ggx::normal`].
-    pub(super) fn pdf(&self, h: Vec3, n: Vec3, cos_o: f32) -> f32 {
-        self.density(h, n) / (2.0 * (cos_o + self.slope(cos_o)))
+    pub(super) fn pdf(&self, h: Vec3, n: Vec3, wo: Vec3) -> f32 {
+        let cos_o = wo.dot(n);
+        self.density(h, n) / (2.0 * (cos_o + self.slope(wo, n, cos_o)))
     }
 
     /// The normal of one of the facets that `wo` sees, each by the area that it shows (Dupuy & Benyoub 2023).
     pub(super) fn normal(&self, wo: Vec3, n: Vec3, u: [f32; 2]) -> Vec3 {
+        if let Some(brushed) = &self.brushed {
+            return brushed.normal(wo, n, u);
+        }
         let frame = Mat3::from_cols(to_world(Vec3::X, n), to_world(Vec3::Y, n), n);
         let o = frame.transpose() * wo;
         let o = Vec3::new(self.alpha * o.x, self.alpha * o.y, o.z).normalize();
@@ -109,7 +131,7 @@ impl Microfacet {
     /// Of a material seen at this cosine to the normal; `tint` is what it says of the lobe.
     pub(super) fn new(m: &PackedMaterial, tint: Bands, cosine: f32) -> Self {
         let fresnel = Fresnel::of(m, tint);
-        let ggx = Ggx { alpha: m.alpha };
+        let ggx = Ggx::of(m);
         let lost = ggx.lost_of_even_light();
         let kept = fresnel.of_even_light().map(|r| r * r * (1.0 - lost) / (1.0 - r * lost));
         Self { fresnel, ggx, lost, kept, albedo: fresnel.at(cosine) }
@@ -127,7 +149,7 @@ impl Microfacet {
             return BLACK;
         }
         let h = (wi + wo).normalize();
-        let shape = self.ggx.density(h, n) * self.ggx.visibility(cos_i, cos_o);
+        let shape = self.ggx.density(h, n) * self.ggx.visibility(wi, wo, n);
         add(&scale(&self.fresnel.at(wo.dot(h)), shape), &self.again(cos_i, cos_o))
     }
 
@@ -138,11 +160,10 @@ impl Microfacet {
 
     /// pdf_solid_angle of [`Microfacet::sample`].
     pub(super) fn pdf(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
-        let cos_o = wo.dot(n);
-        if wi.dot(n) <= 0.0 || cos_o <= 0.0 {
+        if wi.dot(n) <= 0.0 || wo.dot(n) <= 0.0 {
             return 0.0;
         }
-        self.ggx.pdf((wi + wo).normalize(), n, cos_o)
+        self.ggx.pdf((wi + wo).normalize(), n, wo)
     }
 
     /// The mirror image of `wo` about one of the facets; it may lie below the surface.
@@ -158,8 +179,8 @@ impl Microfacet {
             return BLACK;
         }
         let h = (wi + wo).normalize();
-        let once = scale(&self.fresnel.at(wo.dot(h)), self.ggx.seen_again(cos_i, cos_o));
-        let pdf = self.ggx.pdf(h, n, cos_o);
+        let once = scale(&self.fresnel.at(wo.dot(h)), self.ggx.seen_again(wi, wo, n));
+        let pdf = self.ggx.pdf(h, n, wo);
         add(&once, &scale(&self.again(cos_i, cos_o), cos_i / pdf.max(f32::MIN_POSITIVE)))
     }
 }

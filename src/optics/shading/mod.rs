@@ -2,6 +2,7 @@
 //! list at a hit, and all that follow light see that only. A new lobe is a file, a variant of those that scatter or of the delta
 //! ones, and the line that makes it of a material. Twin: shaders/shading/lobes.wgsl.
 
+mod anisotropy;
 pub mod bsdf;
 pub(crate) mod cutout;
 mod dielectric;
@@ -17,6 +18,7 @@ pub(crate) mod relief;
 mod rough_interface;
 pub(crate) mod roulette;
 pub(crate) mod texture;
+mod translucent;
 mod undercoat;
 
 use crate::packed::PackedMaterial;
@@ -30,10 +32,11 @@ use microfacet::Microfacet;
 use mirror::Mirror;
 use phong::Phong;
 use rough_interface::RoughWay;
+use translucent::Translucent;
 use undercoat::Undercoat;
 
 /// Most lobes of a material that scatter …
-pub(crate) const SCATTER_MOST: usize = 2;
+pub(crate) const SCATTER_MOST: usize = 3;
 /// … and most delta lobes.
 pub(crate) const DELTA_MOST: usize = 2;
 
@@ -44,6 +47,7 @@ pub(crate) enum ScatterLobe {
     Undercoat(Undercoat),
     Phong(Phong),
     Microfacet(Microfacet),
+    Translucent(Translucent),
 }
 
 impl ScatterLobe {
@@ -53,6 +57,7 @@ impl ScatterLobe {
             Self::Undercoat(u) => u.albedo,
             Self::Phong(p) => p.albedo,
             Self::Microfacet(m) => m.albedo,
+            Self::Translucent(t) => t.albedo,
         }
     }
 
@@ -62,6 +67,7 @@ impl ScatterLobe {
             Self::Undercoat(u) => u.eval(wi, wo, n),
             Self::Phong(p) => p.eval(wi, wo, n),
             Self::Microfacet(m) => m.eval(wi, wo, n),
+            Self::Translucent(t) => t.eval(),
         }
     }
 
@@ -71,6 +77,7 @@ impl ScatterLobe {
             Self::Undercoat(u) => u.pdf(wi, n),
             Self::Phong(p) => p.pdf(wi, wo, n),
             Self::Microfacet(m) => m.pdf(wi, wo, n),
+            Self::Translucent(t) => t.pdf(wi, n),
         }
     }
 
@@ -80,17 +87,23 @@ impl ScatterLobe {
             Self::Undercoat(c) => c.sample(n, u),
             Self::Phong(p) => p.sample(wo, n, u),
             Self::Microfacet(m) => m.sample(wo, n, u),
+            Self::Translucent(t) => t.sample(n, u),
         }
+    }
+
+    /// True for light that goes to the other side of the surface.
+    fn crosses(&self) -> bool {
+        matches!(self, Self::Translucent(_))
     }
 
     /// True for light that goes into all directions by their cosine, or nearly so.
     fn is_diffuse(&self) -> bool {
-        matches!(self, Self::Lambert(_) | Self::Undercoat(_))
+        matches!(self, Self::Lambert(_) | Self::Undercoat(_) | Self::Translucent(_))
     }
 
     /// True where f_r depends on directions.
     fn varies(&self) -> bool {
-        !matches!(self, Self::Lambert(_))
+        !matches!(self, Self::Lambert(_) | Self::Translucent(_))
     }
 }
 
@@ -110,6 +123,9 @@ fn scatter_lobes(m: &PackedMaterial, cosine: f32) -> ArrayVec<ScatterLobe, SCATT
         } else {
             ScatterLobe::Phong(Phong { albedo: m.glossy, exponent: m.glossy_exponent })
         });
+    }
+    if m.flags().is_translucent() {
+        lobes.push(ScatterLobe::Translucent(Translucent { albedo: m.transmission }));
     }
     lobes
 }

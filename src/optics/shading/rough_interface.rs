@@ -30,7 +30,7 @@ pub(super) fn ways(m: &PackedMaterial, f: &Frame) -> [RoughWay; 2] {
         let eta = if f.front { ior } else { 1.0 / ior };
         fresnel(cosine, eta).clamp(ROUGH_SHARE_MIN, 1.0 - ROUGH_SHARE_MIN)
     });
-    let ggx = Ggx { alpha: m.alpha };
+    let ggx = Ggx::of(m);
     let way = |tint: Bands, share: Bands, is_transmission: bool| RoughWay {
         albedo: mul(&tint, &share),
         tint,
@@ -93,7 +93,7 @@ impl RoughWay {
         if cos_o <= 0.0 || cos_h <= 0.0 || (cos_w < 0.0) != self.is_transmission {
             return 0.0;
         }
-        let of_mirror = self.ggx.pdf(h, n, cos_o);
+        let of_mirror = self.ggx.pdf(h, n, f.back);
         if self.is_transmission { of_mirror * 4.0 * cos_h * -cos_w / (length * length) } else { of_mirror }
     }
 
@@ -110,8 +110,7 @@ impl RoughWay {
             let reflectance = fresnel(cos_h, if f.front { ior } else { 1.0 / ior });
             *kept *= if self.is_transmission { 1.0 - reflectance } else { reflectance };
         }
-        let seen =
-            if self.is_transmission { self.ggx.seen(-cos_w) } else { self.ggx.seen_again(cos_w, cos_o) };
+        let seen = if self.is_transmission { self.ggx.seen(w, n) } else { self.ggx.seen_again(w, f.back, n) };
         scale(&kept, seen)
     }
 }

@@ -51,6 +51,10 @@ impl Bsdf {
             let remedy = "give it a plain kd, and leave its opacity out";
             return refuse("textures and opacities are not written for other renderers", remedy);
         }
+        if !is_black(&material.transmit) {
+            let remedy = "leave its transmit out";
+            return refuse("what it scatters through has no counterpart in other renderers", remedy);
+        }
         if !is_black(&material.glossy) {
             return refuse("its glossy lobe (Phong) has no counterpart in other renderers", ONE_LOBE);
         }

@@ -100,13 +100,14 @@ fn given(
             let lamp = (((k as f64 + shift) * stands_for) as usize).min(lamps.len() - 1);
             let [u, v, ..] = random(k as u32);
             let (emitter, rest, pick) = lamps[lamp].pick(u);
-            let l = sample_li(scene, &scene.emitters[emitter], p.origin, [rest, v])?;
-            let cosine = l.wi.dot(p.normal);
+            let l = sample_li(scene, &scene.emitters[emitter], p.near.origin, [rest, v])?;
+            let side = p.far.filter(|far| l.wi.dot(far.normal) > 0.0).unwrap_or(p.near);
+            let cosine = l.wi.dot(side.normal);
             let unshadowed = sum(&l.irradiance) * f64::from(cosine / pick);
             if cosine <= 0.0 || !unshadowed.is_finite() {
                 return None;
             }
-            let lit = if visible(scene, p.origin, l.target) { unshadowed } else { 0.0 };
+            let lit = if visible(scene, side.origin, l.target) { unshadowed } else { 0.0 };
             Some(Given { lamp, unshadowed, lit, stands_for })
         })
         .collect();

@@ -24,14 +24,30 @@ const FACING: f32 = 0.5;
 
 /// A place where a camera path meets its first diffuse surface.
 pub(in crate::plan) struct VisiblePoint {
-    /// The place, lifted off the surface.
-    pub(in crate::plan) origin: Vec3,
-    /// Shading normal on the side that is seen.
-    pub(in crate::plan) normal: Vec3,
+    /// The side that is seen.
+    pub(in crate::plan) near: PlaceSide,
+    /// The other one, where light is scattered through.
+    pub(in crate::plan) far: Option<PlaceSide>,
     position: Vec3,
     geometric: Vec3,
     /// Length of the path.
     length: f32,
+}
+
+/// One side of a surface at a place.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::plan) struct PlaceSide {
+    /// The place, lifted off the surface.
+    pub(in crate::plan) origin: Vec3,
+    /// Shading normal.
+    pub(in crate::plan) normal: Vec3,
+}
+
+impl VisiblePoint {
+    /// The sides from which light is seen, in turn.
+    pub(in crate::plan) fn side(&self, number: u32) -> PlaceSide {
+        self.far.filter(|_| number % 2 == 1).unwrap_or(self.near)
+    }
 }
 
 /// Where the camera looks.
@@ -63,7 +79,8 @@ impl Cells {
             for corner in 0..8u32 {
                 let sign = |bit: u32| if corner >> bit & 1 == 0 { -half } else { half };
                 let at = cell(p.position + Vec3::new(sign(0), sign(1), sign(2)), level);
-                *cells.entry(at).or_default() |= facing(p.geometric);
+                let beyond = if p.far.is_some() { facing(-p.geometric) } else { 0 };
+                *cells.entry(at).or_default() |= facing(p.geometric) | beyond;
             }
         }
         let mut levels: Vec<i32> = cells.keys().map(|c| c[0]).collect();
@@ -149,8 +166,11 @@ fn gather_point(scene: &PackedScene, seed: u32, number: u32) -> Option<VisiblePo
         length += s.distance;
         if s.flags().has_diffuse() {
             return Some(VisiblePoint {
-                origin: lift(s.position, s.ng, s.triangle),
-                normal: s.ns,
+                near: PlaceSide { origin: lift(s.position, s.ng, s.triangle), normal: s.ns },
+                far: s
+                    .flags()
+                    .is_translucent()
+                    .then(|| PlaceSide { origin: lift(s.position, -s.ng, s.triangle), normal: -s.ns }),
                 position: s.position,
                 geometric: s.ng,
                 length,
