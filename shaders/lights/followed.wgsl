@@ -12,10 +12,28 @@ fn pdf_of_lights(s: Surface, b: Bsdf, distance: f32) -> f32 {
     return f32(pass_info.light_candidates) * pdf_li(emitter_at(s.emitter), distance, -dot(b.direction, s.front));
 }
 
+// What a lobe sends on of a light sample if nothing shades it, with its share of the weight.
+fn light_by_lobe(b: Bsdf, w: LobeWeights, splits: Splits, trees: f32, light: LightSample, followed: Followed) -> Bands {
+    if followed.pdf <= 0.0 {
+        return Bands(0.0);
+    }
+    var gives = followed.f_cos * light.weight;
+    if HAS_MEDIA {
+        // a shadow ray crosses no boundary
+        gives *= transmittance(inside_after(b, followed.lobe), light.distance);
+    }
+    if light.pdf > 0.0 {
+        let after = splits_after(splits, w, followed.lobe, followed.pdf);
+        gives *= weight_of_light(after, trees, f32(pass_info.light_candidates) * light.pdf);
+    }
+    return gives;
+}
+
 // What a vertex of an eye path sends on from the lights; `splits` are up to the vertex.
 fn light_in_lobes(s: Surface, b: Bsdf, w: LobeWeights, splits: Splits, trees: f32, draws: LightDraws, u: f32) -> FollowedLight {
     var result = FollowedLight(Bands(0.0), 0u, 0u);
-    if !has_width(b.material, select(LOBE_MIRROR, LOBE_REFLECTION, is_dielectric(b.material))) {
+    let has_coat = is_layered(b.material) && has_width(b.material, LOBE_REFLECTION);
+    if !has_coat && !has_width(b.material, select(LOBE_MIRROR, LOBE_REFLECTION, is_dielectric(b.material))) {
         return result;
     }
     let candidates = f32(pass_info.light_candidates);
@@ -25,18 +43,12 @@ fn light_in_lobes(s: Surface, b: Bsdf, w: LobeWeights, splits: Splits, trees: f3
     var found = 0u;
     for (var k = 0u; k < own(pass_info.light_candidates); k += 1u) {
         let light = light_candidate(s.position, draws, k);
-        let followed = followed_from(b, light.wi);
-        var gives = followed.f_cos * light.weight;
-        if HAS_MEDIA {
-            // a shadow ray crosses no boundary
-            gives *= transmittance(inside_after(b, followed.lobe), light.distance);
-        }
-        if light.pdf > 0.0 {
-            let after = splits_after(splits, w, followed.lobe, followed.pdf);
-            gives *= weight_of_light(after, trees, candidates * light.pdf);
+        var gives = light_by_lobe(b, w, splits, trees, light, followed_from(b, light.wi));
+        if has_coat {
+            gives += light_by_lobe(b, w, splits, trees, light, clear_coat_from(b, light.wi));
         }
         let size = max_band(gives);
-        if followed.pdf > 0.0 && size > 0.0 {
+        if size > 0.0 {
             found += 1u;
             if takes(&reservoir, size) {
                 picked = light;

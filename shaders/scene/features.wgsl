@@ -22,6 +22,8 @@ override HAS_TRANSLUCENT: bool = true;
 override HAS_FACETS: bool = true;
 // Some microfacets are rougher one way than the other.
 override HAS_ANISOTROPY: bool = true;
+// Some material has layers.
+override HAS_LAYERS: bool = true;
 // What the bands are differs from pass to pass.
 override HAS_WAVELENGTHS: bool = true;
 // Some dielectric has an index that differs between the bands.

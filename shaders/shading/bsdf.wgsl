@@ -109,6 +109,9 @@ fn sample_off_relief(b: Bsdf, lobe: u32, u: vec2<f32>) -> LobeSample {
     if is_coated(b.material) {
         weight = undercoat_weight(b.material, dot(d, turned_toward(b.shading, d)));
     }
+    if is_layered(b.material) {
+        weight *= under_layers_weight(b.material, dot(d, turned_toward(b.shading, d)), -dot(b.direction, b.shading));
+    }
     return weighed(d, weight, 1.0);
 }
 

@@ -2,6 +2,7 @@
 // import: scene/features.wgsl
 // import: shading/texture.wgsl
 // import: shading/anisotropy.wgsl
+// import: shading/layered.wgsl
 
 // Bits of a material's `facet_textures` with the texture of its roughness; that of its metallic part is above.
 const ROUGHNESS_TEXTURE: u32 = 0xffffu;
@@ -26,10 +27,10 @@ fn varied_tint(m: PackedMaterial) -> Bands {
     return select(m.specular, m.glossy, (m.flag_bits & GLOSSY) != 0u);
 }
 
-// What a coat of this index reflects head on.
-fn coat_head_on(ior: f32) -> f32 {
-    let root = (ior - 1.0) / (ior + 1.0);
-    return root * root;
+// What its dielectric part reflects head on.
+fn dielectric_head_on(m: PackedMaterial) -> Bands {
+    let root = (m.ior - 1.0) / (m.ior + 1.0);
+    return select(Bands(root * root), m.iors, is_layered(m));
 }
 
 // The material where its microfacets are these. Its `diffuse` is the colour of base and metal, over what its coat takes.
@@ -44,7 +45,7 @@ fn with_facets(varied: PackedMaterial, kept: u32) -> PackedMaterial {
     }
     var tint = varied_tint(m);
     if (m.flag_bits & MIXED) != 0u {
-        let head_on = coat_head_on(m.ior);
+        let head_on = dielectric_head_on(m);
         tint = head_on + m.metallic * (m.diffuse * uncoated(m) - head_on);
         m.diffuse *= 1.0 - m.metallic;
     }
@@ -86,5 +87,5 @@ fn unmixed_colour(m: PackedMaterial) -> Bands {
         return m.diffuse;
     }
     // the two parts together, which have no coat's share twice
-    return m.diffuse + (varied_tint(m) - coat_head_on(m.ior) * (1.0 - m.metallic)) / uncoated(m);
+    return m.diffuse + (varied_tint(m) - dielectric_head_on(m) * (1.0 - m.metallic)) / uncoated(m);
 }

@@ -16,6 +16,9 @@ fn has_width(m: PackedMaterial, lobe: u32) -> bool {
     if is_rough_interface(m) {
         return lobe == LOBE_REFLECTION || lobe == LOBE_TRANSMISSION;
     }
+    if is_layered(m) && lobe == LOBE_REFLECTION {
+        return follows_clear_coat(m) && m.clear_coat_alpha > 0.0;
+    }
     if lobe != LOBE_MIRROR || (m.flag_bits & SPECULAR) == 0u {
         return false;
     }
@@ -32,6 +35,9 @@ fn pdf_delta_at(b: Bsdf, lobe: u32, w: vec3<f32>) -> f32 {
         return rough_pdf(m, lobe == LOBE_TRANSMISSION, b.direction, b.shading, b.from_front, w);
     }
     if has_facets(m) {
+        if is_layered(m) && lobe == LOBE_REFLECTION {
+            return microfacet_pdf(coat_facets(m), b.shading, w, -b.direction);
+        }
         return microfacet_pdf(m, b.shading, w, -b.direction);
     }
     return phong_pdf_about(m.specular_exponent, mirror_direction(b.direction, b.geometric, b.shading), w);
@@ -53,7 +59,21 @@ fn followed_from(b: Bsdf, w: vec3<f32>) -> Followed {
         return Followed(LOBE_NONE, Bands(0.0), 0.0);
     }
     if has_facets(m) {
-        return Followed(LOBE_MIRROR, microfacet_eval(m, m.specular, b.shading, w, -b.direction) * dot(w, b.shading), pdf);
+        var f = microfacet_eval(m, m.specular, b.shading, w, -b.direction);
+        if is_layered(m) {
+            f *= base_under_layers(m, dot(w, b.shading), -dot(b.direction, b.shading));
+        }
+        return Followed(LOBE_MIRROR, f * dot(w, b.shading), pdf);
     }
     return Followed(LOBE_MIRROR, m.specular * pdf, pdf);
+}
+
+// The same of a clear coat, which may be followed beside its base.
+fn clear_coat_from(b: Bsdf, w: vec3<f32>) -> Followed {
+    let pdf = pdf_delta_at(b, LOBE_REFLECTION, w);
+    if dot(w, b.geometric) < 0.0 || pdf <= 0.0 {
+        return Followed(LOBE_NONE, Bands(0.0), 0.0);
+    }
+    let f = clear_coat_eval(b.material, b.shading, w, -b.direction);
+    return Followed(LOBE_REFLECTION, Bands(f * dot(w, b.shading)), pdf);
 }

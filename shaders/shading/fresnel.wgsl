@@ -1,5 +1,6 @@
 // How much a microfacet reflects, by the angle at which light meets it [E40]. Twin: src/optics/shading/fresnel.rs.
 // import: shading/dielectric.wgsl
+// import: shading/layered.wgsl
 
 // True where what reflects, or the interface, is of microfacets, smooth or rough.
 fn has_facets(m: PackedMaterial) -> bool {
@@ -40,7 +41,7 @@ fn facet_reflectance(m: PackedMaterial, tint: Bands, cosine: f32) -> Bands {
         return tint * fresnel_conductor(c, m.iors, m.extinction);
     }
     if (m.flag_bits & SCHLICK) != 0u {
-        return tint + (1.0 - tint) * schlick_rise(c);
+        return tint + (facet_grazing(m) - tint) * schlick_rise(c);
     }
     return tint * fresnel(c, m.ior);
 }

@@ -11,15 +11,19 @@
 // import: shading/undercoat.wgsl
 // import: shading/microfacet.wgsl
 // import: shading/rough_interface.wgsl
+// import: shading/layers.wgsl
 
 const LOBE_NONE: u32 = 0u;
 const LOBE_DIFFUSE: u32 = 1u;
 const LOBE_GLOSSY: u32 = 2u;
 const LOBE_TRANSLUCENT: u32 = 3u;
+const LOBE_SHEEN: u32 = 4u;
+const LOBE_CLEAR_COAT: u32 = 5u;
 // Delta lobes from here on.
-const LOBE_MIRROR: u32 = 4u;
-const LOBE_REFLECTION: u32 = 5u;
-const LOBE_TRANSMISSION: u32 = 6u;
+const LOBE_MIRROR: u32 = 6u;
+// Of an interface, or of a clear coat that is followed.
+const LOBE_REFLECTION: u32 = 7u;
+const LOBE_TRANSMISSION: u32 = 8u;
 
 fn is_delta(lobe: u32) -> bool {
     return lobe >= LOBE_MIRROR;
@@ -32,7 +36,7 @@ fn does_scatter(m: PackedMaterial) -> bool {
 
 // True where the BRDF depends on directions.
 fn does_vary(m: PackedMaterial) -> bool {
-    return (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || is_coated(m);
+    return (HAS_GLOSSY && (m.flag_bits & GLOSSY) != 0u) || is_coated(m) || is_layered(m);
 }
 
 // What of a material depends on the angle at which light arrives.
@@ -41,6 +45,9 @@ struct AtAngle {
     reflectance: Bands,
     // Part of a diffuse lobe's light that a coat lets in and out; 1 where there is none.
     under_coat: f32,
+    // Of a clear coat, and of white sheen under it.
+    clear_coat: f32,
+    sheen: f32,
 }
 
 // The lobe of microfacets: what the material says of it. One of the two is black.
@@ -52,15 +59,21 @@ fn facet_tint(m: PackedMaterial) -> Bands {
 fn at_angle(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: bool) -> AtAngle {
     if has_facets(m) {
         if is_rough_interface(m) {
-            return AtAngle(rough_reflectance(m, n, direction, from_front), 1.0);
+            return AtAngle(rough_reflectance(m, n, direction, from_front), 1.0, 0.0, 0.0);
         }
         let cosine = -dot(direction, n);
         let under_coat = select(1.0, undercoat_albedo(m, cosine), is_coated(m));
         // where the tint is black there is no lobe, whatever Schlick's formula says
         let has_lobe = (m.flag_bits & (GLOSSY | SPECULAR)) != 0u;
-        return AtAngle(select(Bands(0.0), facet_reflectance(m, facet_tint(m), cosine), has_lobe), under_coat);
+        let facets = select(Bands(0.0), facet_reflectance(m, facet_tint(m), cosine), has_lobe);
+        if is_layered(m) {
+            let passed = layers_pass(m, cosine);
+            let coat = clear_coat_reflectance(m, cosine);
+            return AtAngle(facets * passed, under_coat * passed, coat, sheen_albedo(m, cosine) * (1.0 - coat));
+        }
+        return AtAngle(facets, under_coat, 0.0, 0.0);
     }
-    return AtAngle(dielectric_reflectance(m, n, direction, from_front), 1.0);
+    return AtAngle(dielectric_reflectance(m, n, direction, from_front), 1.0, 0.0, 0.0);
 }
 
 // Of what mirrors or is glossy and no interface; a material of microfacets states one of the two.
@@ -75,9 +88,18 @@ fn lobe_albedo(m: PackedMaterial, lobe: u32, at: AtAngle) -> Bands {
         case LOBE_GLOSSY: { return reflecting_albedo(m, GLOSSY, m.glossy, at); }
         case LOBE_TRANSLUCENT: { return m.transmission; }
         case LOBE_MIRROR: { return reflecting_albedo(m, SPECULAR, m.specular, at); }
-        case LOBE_REFLECTION: { return m.specular * at.reflectance; }
+        case LOBE_SHEEN: { return sheen_colour(m) * at.sheen; }
+        case LOBE_CLEAR_COAT: { return Bands(at.clear_coat); }
+        case LOBE_REFLECTION: { return interface_albedo(m, at); }
         default: { return m.transmission * (1.0 - at.reflectance); }
     }
+}
+
+fn interface_albedo(m: PackedMaterial, at: AtAngle) -> Bands {
+    if is_layered(m) {
+        return Bands(at.clear_coat);
+    }
+    return m.specular * at.reflectance;
 }
 
 fn diffuse_albedo(m: PackedMaterial, at: AtAngle) -> Bands {
@@ -93,7 +115,11 @@ fn total_albedo(m: PackedMaterial, at: AtAngle) -> Bands {
         return m.diffuse + m.glossy + (m.specular * at.reflectance + m.transmission * (1.0 - at.reflectance));
     }
     if has_facets(m) {
-        return diffuse_albedo(m, at) + at.reflectance;
+        let base = diffuse_albedo(m, at) + at.reflectance;
+        if is_layered(m) {
+            return base + (sheen_colour(m) * at.sheen + at.clear_coat);
+        }
+        return base;
     }
     if is_translucent(m) {
         return m.diffuse + m.glossy + m.specular + m.transmission;
@@ -109,12 +135,14 @@ struct LobeWeights {
     reflection: f32,
     transmission: f32,
     translucent: f32,
+    sheen: f32,
+    clear_coat: f32,
 }
 
 // Part of the flux that takes each lobe, as max over bands of (albedo × carried) / max of carried.
 fn lobe_weights(m: PackedMaterial, carried: Bands, at: AtAngle) -> LobeWeights {
     let scale = 1.0 / max(max_band(carried), 1e-37);
-    var w = LobeWeights(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    var w = LobeWeights(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     if is_dielectric(m) {
         w.reflection = max_band(at.reflectance * (m.specular * carried)) * scale;
         w.transmission = max_band((1.0 - at.reflectance) * (m.transmission * carried)) * scale;
@@ -130,13 +158,19 @@ fn lobe_weights(m: PackedMaterial, carried: Bands, at: AtAngle) -> LobeWeights {
     if HAS_SPECULAR {
         w.mirror = max_band(reflecting_albedo(m, SPECULAR, m.specular, at) * carried) * scale;
     }
+    if is_layered(m) {
+        let coat = at.clear_coat * max_band(carried) * scale;
+        w.sheen = max_band(sheen_colour(m) * carried) * at.sheen * scale;
+        w.clear_coat = select(coat, 0.0, follows_clear_coat(m));
+        w.reflection = select(0.0, coat, follows_clear_coat(m));
+    }
     return w;
 }
 
 fn scaled_weights(w: LobeWeights, factor: f32) -> LobeWeights {
     return LobeWeights(
         w.diffuse * factor, w.glossy * factor, w.mirror * factor, w.reflection * factor, w.transmission * factor,
-        w.translucent * factor,
+        w.translucent * factor, w.sheen * factor, w.clear_coat * factor,
     );
 }
 
@@ -146,6 +180,8 @@ fn weight_of(w: LobeWeights, lobe: u32) -> f32 {
         case LOBE_GLOSSY: { return w.glossy; }
         case LOBE_TRANSLUCENT: { return w.translucent; }
         case LOBE_MIRROR: { return w.mirror; }
+        case LOBE_SHEEN: { return w.sheen; }
+        case LOBE_CLEAR_COAT: { return w.clear_coat; }
         case LOBE_REFLECTION: { return w.reflection; }
         default: { return w.transmission; }
     }
@@ -153,10 +189,14 @@ fn weight_of(w: LobeWeights, lobe: u32) -> f32 {
 
 // Sum over the lobes that scatter.
 fn scatter_weight(w: LobeWeights) -> f32 {
+    var weight = w.diffuse + w.glossy;
     if HAS_TRANSLUCENT {
-        return w.diffuse + w.glossy + w.translucent;
+        weight += w.translucent;
     }
-    return w.diffuse + w.glossy;
+    if HAS_LAYERS {
+        weight += w.sheen + w.clear_coat;
+    }
+    return weight;
 }
 
 // Sum over the delta lobes.
@@ -187,6 +227,16 @@ fn chosen_lobe(w: LobeWeights, u: f32) -> u32 {
             return LOBE_TRANSLUCENT;
         }
     }
+    if HAS_LAYERS {
+        edge += w.sheen;
+        if u < edge {
+            return LOBE_SHEEN;
+        }
+        edge += w.clear_coat;
+        if u < edge {
+            return LOBE_CLEAR_COAT;
+        }
+    }
     edge += w.mirror;
     if u < edge {
         return LOBE_MIRROR;
@@ -203,7 +253,7 @@ fn chosen_delta(w: LobeWeights, u: f32) -> u32 {
     if HAS_DIELECTRIC && w.transmission > 0.0 && u >= w.mirror + w.reflection {
         return LOBE_TRANSMISSION;
     }
-    return select(LOBE_MIRROR, LOBE_REFLECTION, HAS_DIELECTRIC && w.reflection > 0.0 && u >= w.mirror);
+    return select(LOBE_MIRROR, LOBE_REFLECTION, (HAS_DIELECTRIC || HAS_LAYERS) && w.reflection > 0.0 && u >= w.mirror);
 }
 
 // BSDF of the lobes that scatter, 1/sr.
@@ -225,6 +275,12 @@ fn eval_reflected(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>)
             f += microfacet_eval(m, m.glossy, n, wi, wo);
         } else {
             f += phong_eval(m.glossy, m.glossy_exponent, n, wi, wo);
+        }
+    }
+    if is_layered(m) {
+        f = f * base_under_layers(m, dot(n, wi), dot(n, wo)) + sheen_colour(m) * sheen_eval(m, n, wi, wo);
+        if !follows_clear_coat(m) {
+            f += clear_coat_eval(m, n, wi, wo);
         }
     }
     return f;
@@ -254,8 +310,41 @@ fn translucent_share(m: PackedMaterial) -> f32 {
     return through / (through + max_band(m.diffuse) + max_band(m.glossy));
 }
 
+// pdf_solid_angle of sample_scatter where there are layers: each lobe by its albedo.
+fn pdf_layered(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    let w = lobe_weights(m, Bands(1.0), at_angle(m, n, -wo, true));
+    var sum = w.diffuse * lambert_pdf(n, wi) + w.sheen * sheen_pdf(n, wi);
+    // what is followed may be smooth, and has no density then
+    if w.glossy > 0.0 {
+        sum += w.glossy * microfacet_pdf(m, n, wi, wo);
+    }
+    if w.clear_coat > 0.0 {
+        sum += w.clear_coat * microfacet_pdf(coat_facets(m), n, wi, wo);
+    }
+    return sum / max(scatter_weight(w), 1e-30);
+}
+
+fn sample_layered(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> vec3<f32> {
+    let w = lobe_weights(m, Bands(1.0), at_angle(m, n, -wo, true));
+    let x = u.z * scatter_weight(w);
+    if x < w.diffuse {
+        return lambert_sample(n, u.xy);
+    }
+    if w.sheen > 0.0 && x >= w.diffuse + w.glossy && (x < w.diffuse + w.glossy + w.sheen || w.clear_coat <= 0.0) {
+        return sheen_sample(n, u.xy);
+    }
+    let is_coat = w.clear_coat > 0.0 && x >= w.diffuse + w.glossy;
+    if is_coat {
+        return microfacet_sample(coat_facets(m), n, wo, u.xy);
+    }
+    return microfacet_sample(m, n, wo, u.xy);
+}
+
 // pdf_solid_angle of sample_scatter.
 fn pdf_scatter(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    if is_layered(m) {
+        return pdf_layered(m, n, wi, wo);
+    }
     if is_translucent(m) {
         let through = translucent_share(m);
         if dot(wi, n) < 0.0 {
@@ -282,6 +371,9 @@ fn pdf_reflected(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) 
 
 // A direction from the lobes that scatter; it may lie below the surface. Where light goes there, too, f and pdf of it are those of that lobe.
 fn sample_scatter(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec3<f32>) -> vec3<f32> {
+    if is_layered(m) {
+        return sample_layered(m, n, wo, u);
+    }
     if is_translucent(m) {
         let through = translucent_share(m);
         if u.z < through {
@@ -332,7 +424,10 @@ fn sample_delta(
         let d = transmitted_direction(m, direction, geometric, n, eta_it);
         return weighed(d, select(0.0, 1.0, any(d != vec3(0.0))), eta_it * eta_it);
     }
-    if HAS_SPECULAR && has_facets(m) && m.alpha > 0.0 {
+    if is_layered(m) && lobe == LOBE_REFLECTION && m.clear_coat_alpha > 0.0 {
+        return clear_coat_sample(m, direction, geometric, n, u);
+    }
+    if HAS_SPECULAR && has_facets(m) && m.alpha > 0.0 && !(is_layered(m) && lobe == LOBE_REFLECTION) {
         return facet_sample(m, m.specular, direction, geometric, n, u);
     }
     // an interface's reflection has no width
@@ -345,8 +440,36 @@ fn facet_sample(
 ) -> LobeSample {
     let d = microfacet_sample(m, n, -direction, u);
     let flat = facet_reflectance(m, tint, -dot(direction, n));
-    let weight = microfacet_weight(m, tint, n, d, -direction, flat);
+    var weight = microfacet_weight(m, tint, n, d, -direction, flat);
+    if is_layered(m) {
+        weight *= under_layers_weight(m, dot(d, n), -dot(direction, n));
+    }
     return LobeSample(d, select(Bands(0.0), weight, dot(d, geometric) > 0.0), 1.0);
+}
+
+// What layers leave of a base's light from one cosine to another, over what they let through at the second: albedos have that.
+fn under_layers_weight(m: PackedMaterial, cos_i: f32, cos_o: f32) -> f32 {
+    return base_under_layers(m, cos_i, cos_o) / max(layers_pass(m, cos_o), 1e-20);
+}
+
+fn clear_coat_sample(
+    m: PackedMaterial, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, u: vec2<f32>,
+) -> LobeSample {
+    let d = microfacet_sample(coat_facets(m), n, -direction, u);
+    let flat = clear_coat_reflectance(m, -dot(direction, n));
+    let weight = clear_coat_carried(m, n, d, -direction) / max(flat, 1e-20);
+    return weighed(d, select(0.0, weight, dot(d, geometric) > 0.0), 1.0);
+}
+
+// f cosθ 2π over the albedo.
+fn sheen_sample_at(
+    m: PackedMaterial, direction: vec3<f32>, geometric: vec3<f32>, n: vec3<f32>, u: vec2<f32>,
+) -> LobeSample {
+    let d = sheen_sample(n, u);
+    let cos_o = -dot(direction, n);
+    let albedo = sheen_albedo(m, cos_o) * (1.0 - clear_coat_reflectance(m, cos_o));
+    let weight = sheen_eval(m, n, d, -direction) * dot(d, n) * TAU / max(albedo, 1e-20);
+    return weighed(d, select(0.0, weight, dot(d, geometric) > 0.0), 1.0);
 }
 
 fn sample_lobe(
@@ -354,6 +477,12 @@ fn sample_lobe(
 ) -> LobeSample {
     if is_delta(lobe) {
         return sample_delta(m, lobe, direction, geometric, n, from_front, u);
+    }
+    if HAS_LAYERS && lobe == LOBE_SHEEN {
+        return sheen_sample_at(m, direction, geometric, n, u);
+    }
+    if HAS_LAYERS && lobe == LOBE_CLEAR_COAT {
+        return clear_coat_sample(m, direction, geometric, n, u);
     }
     if lobe == LOBE_GLOSSY && has_facets(m) {
         return facet_sample(m, m.glossy, direction, geometric, n, u);
@@ -368,6 +497,9 @@ fn sample_lobe(
         d = lambert_sample(n, u);
         if is_coated(m) {
             weight = undercoat_weight(m, dot(d, n));
+        }
+        if is_layered(m) {
+            weight *= under_layers_weight(m, dot(d, n), -dot(direction, n));
         }
     } else {
         d = phong_sample(m.glossy_exponent, n, direction, u);

@@ -92,7 +92,7 @@ fn microfacet_again(m: PackedMaterial, tint: Bands, cos_i: f32, cos_o: f32) -> B
     let alpha = masking_alpha(m);
     let lost = ggx_lost_average(alpha);
     // of even light, as Schlick's formula has it
-    var even = (20.0 * tint + 1.0) / 21.0;
+    var even = (20.0 * tint + facet_grazing(m)) / 21.0;
     if (m.flag_bits & CONDUCTOR) != 0u {
         even = tint * (20.0 * fresnel_conductor(1.0, m.iors, m.extinction) + 1.0) / 21.0;
     }

@@ -11,6 +11,9 @@ fn coat_passes(m: PackedMaterial, cosine: f32) -> f32 {
     let c = clamp(cosine, 0.0, 1.0);
     if (m.flag_bits & SCHLICK) != 0u {
         let root = (m.ior - 1.0) / (m.ior + 1.0);
+        if is_layered(m) {
+            return 1.0 - mix(root * root, m.grazing, schlick_rise(c));
+        }
         return (1.0 - root * root) * (1.0 - schlick_rise(c));
     }
     return 1.0 - fresnel(c, m.ior);

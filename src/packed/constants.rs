@@ -43,6 +43,18 @@ pub const GGX_LOST: [[f32; 4]; 5] = [
     [2.3882, -39.6202, 99.6388, -63.1171],
 ];
 
+/// Part of the light at cosine c that Charlie's sheen of roughness r sends on: Σ c^(j/2) Σ K_ji r^i, fitted from above to within
+/// .018 where r is at least .3, by scripts/sheen.py \[E51\].
+pub const SHEEN_ALBEDO: [[f32; 4]; 7] = [
+    [1.6629, -4.7384, 7.0855, -3.2298],
+    [6.6262, -16.1967, 29.0988, -15.4936],
+    [-73.7440, 206.4262, -329.1683, 164.7613],
+    [216.7446, -597.213, 959.9255, -486.0964],
+    [-311.0897, 820.6258, -1342.7147, 692.2979],
+    [224.7017, -568.9372, 944.8651, -494.7759],
+    [-64.8189, 159.4272, -267.7914, 141.9232],
+];
+
 shared_constants! {
     /// A gather point's `glint_level` of pixels that have a tree in some passes only; 0 where they have none.
     pub const GLINT_TURNS: u32 = 1;
@@ -136,6 +148,8 @@ shared_constants! {
     pub const BRUSH_ANGLE_BITS: u32 = 13;
     /// Microfacets of a smaller α are a smooth surface.
     pub const SMOOTH_ALPHA: f32 = 1e-4;
+    /// What a clear coat of index 1.5 reflects head on.
+    pub const CLEAR_COAT_HEAD_ON: f32 = 0.04;
     /// A normal of a relief that faces away from who sees it is turned to this cosine; it leaves the surface by no less.
     pub const RELIEF_COS_LEAST: f32 = 0.02;
     /// A picture of heights that comes this often in a unit of length, or less, has no width to measure them by.

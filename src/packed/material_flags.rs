@@ -25,9 +25,12 @@ impl MaterialFlags {
     pub(crate) const TRANSLUCENT: u32 = 1 << 23;
     pub(crate) const ANISOTROPIC: u32 = 1 << 22;
     pub(crate) const AROUND: u32 = 1 << 21;
+    pub(crate) const LAYERED: u32 = 1 << 20;
+    pub(crate) const CLEAR_COAT_FOLLOWED: u32 = 1 << 19;
+    pub(crate) const LAYERS_SCATTER: u32 = 1 << 18;
 
     /// Name and value of each bit, as the kernels know it.
-    pub(super) const NAMED: [(&str, u32); 20] = [
+    pub(super) const NAMED: [(&str, u32); 23] = [
         ("DIFFUSE", Self::DIFFUSE),
         ("GLOSSY", Self::GLOSSY),
         ("SPECULAR", Self::SPECULAR),
@@ -48,11 +51,14 @@ impl MaterialFlags {
         ("TRANSLUCENT", Self::TRANSLUCENT),
         ("ANISOTROPIC", Self::ANISOTROPIC),
         ("AROUND", Self::AROUND),
+        ("LAYERED", Self::LAYERED),
+        ("CLEAR_COAT_FOLLOWED", Self::CLEAR_COAT_FOLLOWED),
+        ("LAYERS_SCATTER", Self::LAYERS_SCATTER),
     ];
 
     /// Light can be scattered into all directions here: a gather point, a place for jotons.
     pub fn has_diffuse(self) -> bool {
-        self.0 & (Self::DIFFUSE | Self::GLOSSY) != 0
+        self.0 & (Self::DIFFUSE | Self::GLOSSY | Self::LAYERS_SCATTER) != 0
     }
     /// There is a Lambert lobe.
     pub fn has_lambert(self) -> bool {
@@ -64,7 +70,11 @@ impl MaterialFlags {
     }
     /// A mirror or a dielectric: light can leave in a single direction.
     pub fn has_delta(self) -> bool {
-        self.0 & (Self::SPECULAR | Self::DIELECTRIC) != 0
+        self.0 & (Self::SPECULAR | Self::DIELECTRIC | Self::CLEAR_COAT_FOLLOWED) != 0
+    }
+    /// What reflects is followed in one direction, or nearly so.
+    pub(crate) fn has_specular(self) -> bool {
+        self.0 & Self::SPECULAR != 0
     }
     /// Light can pass through.
     pub fn is_dielectric(self) -> bool {
@@ -93,6 +103,14 @@ impl MaterialFlags {
     /// The diffuse lobe lies under a coat \[E42\].
     pub(crate) fn is_coated(self) -> bool {
         self.0 & Self::COATED != 0
+    }
+    /// There is a clear coat or sheen, or the base reflects as [`crate::scene::Layers`] says.
+    pub fn is_layered(self) -> bool {
+        self.0 & Self::LAYERED != 0
+    }
+    /// The clear coat is followed as a mirror is, not gathered.
+    pub(crate) fn follows_clear_coat(self) -> bool {
+        self.0 & Self::CLEAR_COAT_FOLLOWED != 0
     }
     /// Roughness, or how much is metal, is looked up at each place; that decides there which of its lobes it has.
     pub fn is_varied(self) -> bool {

@@ -8,7 +8,7 @@ use super::emitters::{PackedEmitter, Source};
 use super::media::ABSORPTION_MOST;
 use super::surfaces::PackedMaterial;
 use crate::film::{half, place_in_half};
-use crate::scene::{FacetKind, Facets, Light, Material, MaterialSpectra, Scene};
+use crate::scene::{FacetKind, Facets, Layers, Light, Material, MaterialSpectra, Scene};
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
 use crate::spectrum::metal::Metal;
@@ -43,6 +43,8 @@ struct Curves {
     /// Where it is one.
     metal: Option<Metal>,
     facets: Option<Facets>,
+    /// What lies over its base, and by wavelength what the dielectric part reflects head on, and the sheen.
+    layers: Option<(Layers, [Spectrum; 2])>,
 }
 
 /// What the bands of a pass are.
@@ -92,6 +94,10 @@ impl Curves {
             most: m.diffuse_texture.as_ref().map_or(1.0, |t| t.most().into_iter().fold(0.0, f32::max)),
             metal,
             facets: m.facets,
+            layers: m
+                .layers
+                .filter(|_| packed.flags().is_layered())
+                .map(|layers| (layers, [layers.head_on, layers.sheen].map(|rgb| curve(rgb, None)))),
         }
     }
 
@@ -101,7 +107,8 @@ impl Curves {
             if is_black(rgb) { BLACK } else { lambdas.map(|lambda| curve.at(lambda).clamp(0.0, 1.0) as f32) }
         };
         let mut m = *base;
-        m.diffuse = base.under_coat(self.facets, value(&base.diffuse, &self.diffuse));
+        let layers = self.layers.as_ref().map(|(layers, _)| layers);
+        m.diffuse = base.under_coat(self.facets, layers, value(&base.diffuse, &self.diffuse));
         m.specular = value(&base.specular, &self.specular);
         m.glossy = value(&base.glossy, &self.glossy);
         m.transmission = value(&base.transmission, &self.transmission);
@@ -109,6 +116,9 @@ impl Curves {
             for (band, lambda) in lambdas.into_iter().enumerate() {
                 [m.iors[band], m.extinction[band]] = metal.at(lambda).map(|x| x as f32);
             }
+        }
+        if let Some((_, [head_on, sheen])) = &self.layers {
+            (m.iors, m.extinction) = (value(&base.iors, head_on), value(&base.extinction, sheen));
         }
         if let Some(absorption) = &self.absorption {
             m.extinction = lambdas.map(|lambda| absorption.at(lambda).clamp(0.0, ABSORPTION_MOST) as f32);

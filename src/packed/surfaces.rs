@@ -7,7 +7,7 @@ use crate::packed::constants::{FOLLOWED_ALPHA, SMOOTH_ALPHA};
 use crate::packed::gpu_struct::gpu_struct;
 use crate::packed::material_flags::MaterialFlags;
 use crate::scene::texture::ReliefKind;
-use crate::scene::{FacetKind, Facets, Inner, Material, Scene, Triangle};
+use crate::scene::{FacetKind, Facets, Inner, Layers, Material, Scene, Triangle};
 use crate::spectrum::{BANDS, BLACK, Bands, is_black};
 use glam::Vec3;
 use half::f16;
@@ -105,7 +105,7 @@ pub(crate) const SAME_INDEX: f32 = 1e-4;
 pub const BODY_SHIFT: u32 = 24;
 
 gpu_struct! {
-    /// A material, 128 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances. Of microfacets
+    /// A material, 144 bytes. For a dielectric `specular` and `transmission` are the tints; otherwise reflectances. Of microfacets
     /// `glossy` and `specular` are what Schlick's formula has head on, or the tint of what reflects by indices of refraction \[E40\].
     pub struct PackedMaterial {
         /// Lambertian reflectance; under a coat what leaves it over what enters it \[E42\].
@@ -128,11 +128,13 @@ gpu_struct! {
         pub emission: Bands,
         /// Numbers of its textures, from 1; 0 where there is none: that of `diffuse` in the low 16 bits, of its opacity above.
         pub textures: u32,
-        /// `ior` in each band, where it differs between them; a metal's index, its real part.
+        /// `ior` in each band, where it differs between them; a metal's index, its real part; of layers what the dielectric part reflects
+        /// head on.
         pub iors: Bands,
         /// GGX roughness α of the microfacets; 0 is smooth.
         pub alpha: f32,
-        /// A metal's index, its imaginary part; of a body what it absorbs, per internal unit of length.
+        /// A metal's index, its imaginary part; of a body what it absorbs, per internal unit of length;
+        /// of layers the colour of the sheen.
         pub extinction: Bands,
         /// Part of even light that a coat lets through.
         pub coat_transmittance: f32,
@@ -144,8 +146,16 @@ gpu_struct! {
         pub relief_texture: u32,
         /// Factor on slopes of normals, or height of white, internal units or widths of the picture.
         pub relief: f32,
+        /// How much of a clear coat there is.
+        pub clear_coat: f32,
+        /// GGX roughness α of it; 0 is smooth.
+        pub clear_coat_alpha: f32,
+        /// Roughness of the sheen.
+        pub sheen_roughness: f32,
+        /// What the dielectric part of a layered material reflects at grazing angles.
+        pub grazing: f32,
     }
-    words 7 * BANDS + 11
+    words 7 * BANDS + 15
 }
 
 impl PackedMaterial {
@@ -202,8 +212,17 @@ impl PackedMaterial {
         let coat = kind.and_then(FacetKind::coat);
         set(metal.is_some(), MaterialFlags::CONDUCTOR);
         set(matches!(kind, Some(FacetKind::Schlick { .. })), MaterialFlags::SCHLICK);
-        set(coat.is_some_and(|ior| ior > 1.0) && has_base, MaterialFlags::COATED);
-        set(opaque && (has_base || !is_black(&glossy)), MaterialFlags::STORES);
+        let layers = m.layers.filter(|_| matches!(kind, Some(FacetKind::Schlick { .. })));
+        let clear_coat = layers.map_or(0.0, |l| l.clear_coat);
+        let clear_coat_alpha = layers.map_or(0.0, |l| smooth(l.clear_coat_alpha));
+        let follows_coat = clear_coat > 0.0 && clear_coat_alpha <= FOLLOWED_ALPHA;
+        let has_sheen = layers.is_some_and(|l| !is_black(&l.sheen));
+        let layers_scatter = has_sheen || (clear_coat > 0.0 && !follows_coat);
+        set(layers.is_some(), MaterialFlags::LAYERED);
+        set(follows_coat, MaterialFlags::CLEAR_COAT_FOLLOWED);
+        set(layers_scatter, MaterialFlags::LAYERS_SCATTER);
+        set(coat.is_some_and(|ior| ior > 1.0 || layers.is_some()) && has_base, MaterialFlags::COATED);
+        set(opaque && (has_base || layers_scatter || !is_black(&glossy)), MaterialFlags::STORES);
         set(is_varied, MaterialFlags::VARIED);
         set(m.metallic.is_some(), MaterialFlags::MIXED);
         let relief = m.relief.as_ref().map(|relief| relief.kind);
@@ -228,22 +247,36 @@ impl PackedMaterial {
             specular_exponent: if is_phong { m.glossy_exponent } else { 0.0 },
             emission: m.emission,
             textures: 0,
-            iors: metal.map_or([ior; BANDS], |(eta, _)| eta),
+            iors: metal.map(|(eta, _)| eta).or(layers.map(|l| l.head_on)).unwrap_or([ior; BANDS]),
             alpha,
-            extinction: metal.map_or(BLACK, |(_, k)| k),
-            coat_transmittance: kind.map_or(1.0, |kind| coat_transmittance(kind) as f32),
+            extinction: metal.map(|(_, k)| k).or(layers.map(|l| l.sheen)).unwrap_or(BLACK),
+            coat_transmittance: kind.map_or(1.0, |kind| coat_transmittance(kind, layers.as_ref()) as f32),
             facet_textures: 0,
-            metallic: m.metallic.as_ref().map_or(0.0, |metal| metal.most),
+            metallic: m
+                .metallic
+                .as_ref()
+                .map(|metal| metal.most)
+                .or(layers.map(|l| l.metallic))
+                .unwrap_or(0.0),
             relief_texture: 0,
             relief: 0.0,
+            clear_coat,
+            clear_coat_alpha,
+            sheen_roughness: layers.map_or(0.0, |l| l.sheen_roughness),
+            grazing: layers.map_or(1.0, |l| l.grazing),
             pad: Default::default(),
         };
-        packed.diffuse = packed.under_coat(m.facets, packed.diffuse);
+        packed.diffuse = packed.under_coat(m.facets, m.layers.as_ref(), packed.diffuse);
         packed
     }
 
     /// What leaves a diffuse base of this reflectance over what enters its coat: light is reflected to and fro between the two \[E42\].
-    pub(super) fn under_coat(&self, facets: Option<Facets>, reflectance: Bands) -> Bands {
+    pub(super) fn under_coat(
+        &self,
+        facets: Option<Facets>,
+        layers: Option<&Layers>,
+        reflectance: Bands,
+    ) -> Bands {
         let Some(kind) = facets.map(|f| f.kind).filter(|_| self.flags().is_coated()) else {
             return reflectance;
         };
@@ -251,7 +284,7 @@ impl PackedMaterial {
             FacetKind::Coat { ior, inner } => (f64::from(ior), inner),
             _ => (f64::from(self.ior), Inner::Even),
         };
-        let outer = coat_transmittance(kind);
+        let outer = coat_transmittance(kind, layers);
         // of even light inside, which Fresnel's symmetry ties to that outside
         let inside = 1.0 - outer / (ior * ior);
         reflectance.map(|rho| {
@@ -307,7 +340,9 @@ impl PackedMaterial {
     /// True for a lobe of finite width that is followed as a mirror is, if only at some places: its α is the most that a texture makes it.
     pub fn has_narrow_lobe(&self) -> bool {
         let followed = MaterialFlags::SPECULAR | MaterialFlags::DIELECTRIC;
-        self.specular_exponent > 0.0 || (self.is_rough() && self.flags().0 & followed != 0)
+        self.specular_exponent > 0.0
+            || (self.is_rough() && self.flags().0 & followed != 0)
+            || (self.flags().follows_clear_coat() && self.clear_coat_alpha > 0.0)
     }
 
     /// True where what is stated as glossy is packed as `specular`: it is followed.
@@ -350,11 +385,14 @@ impl PackedMaterial {
 }
 
 /// Part of even light from outside that a smooth coat lets through: ∫ T(c) 2c dc; of Schlick's formula in closed form \[E42\].
-fn coat_transmittance(kind: FacetKind) -> f64 {
+fn coat_transmittance(kind: FacetKind, layers: Option<&Layers>) -> f64 {
     const STEPS: u32 = 1000;
     let ior = match kind {
         FacetKind::Schlick { ior } => {
             let root = (f64::from(ior) - 1.0) / (f64::from(ior) + 1.0);
+            if let Some(layers) = layers {
+                return 1.0 - (20.0 * root * root + f64::from(layers.grazing)) / 21.0;
+            }
             return (1.0 - root * root) * 20.0 / 21.0;
         }
         FacetKind::Coat { ior, .. } => f64::from(ior),

@@ -112,6 +112,9 @@ fn constants() -> String {
     for (j, row) in GGX_LOST.into_iter().enumerate() {
         v(&format!("GGX_LOST_{j}"), row);
     }
+    for (j, row) in SHEEN_ALBEDO.into_iter().enumerate() {
+        v(&format!("SHEEN_ALBEDO_{j}"), row);
+    }
     v("CIRCLE_COSINE", CIRCLE_COSINE);
     s
 }

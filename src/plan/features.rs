@@ -38,6 +38,8 @@ pub struct Features {
     pub facets: bool,
     /// Some microfacets are rougher one way than the other.
     pub anisotropy: bool,
+    /// Some material has layers.
+    pub layers: bool,
     /// Some lobe that is followed has a width, and there are lights.
     pub followed_light: bool,
     /// Some emitter is not a triangle.
@@ -95,6 +97,7 @@ impl Features {
                 Part::Anisotropy,
                 Reason::NothingBrushed,
             ),
+            layers: needs(facts::has(scene, |m| m.is_layered()), Part::Layers, Reason::NoLayers),
             followed_light: facts::shows_lights_in_followed_lobes(scene),
             smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
             delta_lights: needs(
@@ -108,7 +111,7 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 19] {
+    pub fn named(&self) -> [(&'static str, bool); 20] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
@@ -125,6 +128,7 @@ impl Features {
             ("HAS_TRANSLUCENT", self.translucent),
             ("HAS_FACETS", self.facets),
             ("HAS_ANISOTROPY", self.anisotropy),
+            ("HAS_LAYERS", self.layers),
             ("HAS_FOLLOWED_LIGHT", self.followed_light),
             ("HAS_DELTA_LIGHTS", self.delta_lights),
             ("HAS_CONTACTS", self.contacts),

@@ -42,6 +42,8 @@ pub enum Part {
     Microfacets,
     /// Code for microfacets that are rougher one way than the other.
     Anisotropy,
+    /// Code for clear coats, sheen and the like.
+    Layers,
     /// Code and buffer for shading normals.
     ShadingNormals,
     /// Code for lights that are no surfaces.
@@ -112,6 +114,8 @@ pub enum Reason {
     NoMicrofacets,
     /// All microfacets are as rough one way as the other.
     NothingBrushed,
+    /// No material has layers.
+    NoLayers,
     /// No triangle has shading normals.
     AllFlat,
     /// No light is a point, a spot or a sun.
@@ -149,7 +153,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 29] = [
+    pub const ALL: [Part; 30] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -168,6 +172,7 @@ impl Part {
         Part::Translucency,
         Part::Microfacets,
         Part::Anisotropy,
+        Part::Layers,
         Part::ShadingNormals,
         Part::DeltaLights,
         Part::Contacts,
@@ -202,6 +207,7 @@ impl Part {
             Part::Translucency => "translucency",
             Part::Microfacets => "microfacets",
             Part::Anisotropy => "anisotropy",
+            Part::Layers => "layers",
             Part::ShadingNormals => "shading-normals",
             Part::DeltaLights => "delta-lights",
             Part::Contacts => "contacts",
@@ -237,6 +243,7 @@ impl Part {
             Part::Translucency => "diffuse transmission",
             Part::Microfacets => "microfacets",
             Part::Anisotropy => "anisotropy",
+            Part::Layers => "clear coats and sheen",
             Part::ShadingNormals => "shading normals",
             Part::DeltaLights => "point, spot and sun lights",
             Part::Contacts => "order of faces in one place",
@@ -293,6 +300,7 @@ impl Reason {
             Reason::NothingTranslucent => "no surface scatters light through itself",
             Reason::NoMicrofacets => "no surface is metal, coated or rough by roughness",
             Reason::NothingBrushed => "no surface is rougher one way than the other",
+            Reason::NoLayers => "no material has a clear coat, sheen or a specular factor",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
             Reason::NothingTouches => "no two faces lie in one place",
@@ -338,6 +346,7 @@ impl Reason {
             Reason::NothingTranslucent => "transmit of a matte surface",
             Reason::NoMicrofacets => "metal, plastic or rough glass",
             Reason::NothingBrushed => "an anisotropy",
+            Reason::NoLayers => "clearcoat, sheen_color or specular",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",
             Reason::NothingTouches => "faces that touch",

@@ -6,7 +6,7 @@ use super::obj::{ObjFile, UsedMaterial};
 use super::scene_file::{Called, MadeOf, MaterialEntry};
 use super::texture::store::Store;
 use super::warnings::{Named, Warnings, listed};
-use super::{Anisotropy, Material, Mesh, rule, text};
+use super::{Anisotropy, Material, Mesh, layers, rule, text};
 use crate::{Error, Result};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -366,6 +366,7 @@ impl RawMaterial {
             opacity,
             map_d,
             spectra,
+            layers: layers::overridden(self.layers, &other.layers),
             ..self
         }
     }

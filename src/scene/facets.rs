@@ -3,9 +3,11 @@
 //! - **Metal** reflects by its index: that of a name, or η and k; `ks` is a factor on it. With neither, `ks` is its colour head on.
 //! - **Plastic** is matte (`kd`) under a clear coat of index `ior`; `ks` is a factor on what the coat reflects.
 //! - **Principled** has a base colour (`kd`) and a part `metallic`: of that part it is metal of that colour, of the rest plastic.
+//!   What lies over that, and how it reflects, is in `layers.rs`.
 //! - A texture of the colour is the base colour at each place; of metal with an index it is a tint on what that reflects.
 //! - Whatever its kind, roughness r is α = r² of GGX. Roughness and metallic part may be textures, too.
 
+use super::layers;
 use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, RawMaterial};
 use super::texture::{NumberMap, Texture};
@@ -18,7 +20,7 @@ const COAT_IOR: f32 = 1.5;
 /// α of GGX below which a surface is smooth.
 const SMOOTH_ALPHA: f32 = 1e-4;
 /// Roughness of a principled material where nothing is said.
-const PRINCIPLED_ROUGHNESS: f32 = 0.5;
+pub(super) const PRINCIPLED_ROUGHNESS: f32 = 0.5;
 
 /// What of it varies over the surface.
 #[derive(Debug)]
@@ -116,11 +118,13 @@ pub(super) fn apply(
             };
             let about = 0.5 * (least + most);
             let is_mixed = most > 0.0 && (is_textured || least < most);
-            let head_on = ((ior - 1.0) / (ior + 1.0)).powi(2);
+            let (head_on, _) = layers::of_dielectric(raw, ior);
             let colour = result.diffuse_texture.as_ref().map_or(factor, |t| spectrum::mul(&mean(t), &factor));
             result.diffuse = if is_mixed { factor } else { spectrum::scale(&factor, 1.0 - about) };
-            result.glossy = colour.map(|colour| head_on + about * (colour - head_on));
+            result.glossy = std::array::from_fn(|b| head_on[b] + about * (colour[b] - head_on[b]));
             result.metallic = is_mixed.then_some(Metallic { most, map: metallic.filter(|_| least < most) });
+            result.layers = layers::layers(raw, ior, about);
+            let ior = result.layers.map_or(ior, |layers| layers::index_of(&layers.head_on));
             let kind = FacetKind::Schlick { ior };
             result.facets = Some(Facets { alpha: alpha(PRINCIPLED_ROUGHNESS), kind });
         }

@@ -57,6 +57,8 @@ pub struct Material {
     pub metal: Option<Arc<Metal>>,
     /// What of this is stated by wavelength; its bands say what it is in red, green and blue.
     pub spectra: Option<Arc<MaterialSpectra>>,
+    /// What lies over a principled base, whose microfacets reflect by Schlick's formula.
+    pub layers: Option<Layers>,
 }
 
 /// A smooth boundary between vacuum (outside, where the normal points) and a transparent body (inside).
@@ -145,6 +147,25 @@ impl FacetKind {
     }
 }
 
+/// What a principled material has beside its base \[E50–E52\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layers {
+    /// How much of a clear coat of index 1.5 is there, 0 to 1.
+    pub clear_coat: f32,
+    /// Roughness α of its microfacets.
+    pub clear_coat_alpha: f32,
+    /// Colour of the sheen per band; black where there is none.
+    pub sheen: Bands,
+    /// Roughness of the sheen, 0.3 to 1: the square root of Charlie's α.
+    pub sheen_roughness: f32,
+    /// What the dielectric part of the base reflects head on, per band …
+    pub head_on: Bands,
+    /// … and at grazing angles.
+    pub grazing: f32,
+    /// Part of the base that is metal, where that is the same all over.
+    pub metallic: f32,
+}
+
 /// What light does between a diffuse base and the coat over it \[E42\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Inner {
@@ -180,6 +201,7 @@ impl Material {
             emission_texture: None,
             metal: None,
             spectra: None,
+            layers: None,
         }
     }
 

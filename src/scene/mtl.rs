@@ -16,7 +16,7 @@ use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// A value and the line that it stands on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct At<T> {
     /// What was read.
     pub(crate) value: T,
@@ -70,6 +70,25 @@ pub(crate) struct OtherMap {
     pub(crate) line: usize,
     /// None where it makes no sense.
     pub(crate) stated: Option<StatedTexture>,
+}
+
+/// What is stated of the layers of a principled material.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct RawLayers {
+    /// How much of a clear coat is there: `Pc`.
+    pub(crate) clear_coat: Option<At<f32>>,
+    /// Its roughness: `Pcr`.
+    pub(crate) clear_coat_roughness: Option<At<f32>>,
+    /// Colour of sheen: `Ps`.
+    pub(crate) sheen: Option<At<Bands>>,
+    /// Set by a scene file: its roughness.
+    pub(crate) sheen_roughness: Option<At<f32>>,
+    /// Set by a scene file: factor on what the dielectric part reflects …
+    pub(crate) specular: Option<At<f32>>,
+    /// … and on what it reflects head on.
+    pub(crate) specular_colour: Option<At<Bands>>,
+    /// Set by a scene file: part of the light that is let through.
+    pub(crate) transmission: Option<At<f32>>,
 }
 
 /// One material as the file states it; absent means not stated.
@@ -157,6 +176,8 @@ pub(crate) struct RawMaterial {
     pub(crate) opacity: Option<At<f32>>,
     /// Set by `blender.rs`: what is multiplied by `map_kd`.
     pub(crate) textured: Option<Bands>,
+    /// What lies over its base.
+    pub(crate) layers: RawLayers,
 }
 
 /// Reads a material library; later definitions of a name come later in the list.
@@ -218,6 +239,9 @@ fn apply(material: &mut RawMaterial, key: &str, rest: &str, line: usize) -> Resu
         "pr" => material.pr = at(number(rest)?),
         "aniso" => material.aniso = at(number(rest)?),
         "anisor" => material.anisor = at(number(rest)?),
+        "pc" => material.layers.clear_coat = at(number(rest)?),
+        "pcr" => material.layers.clear_coat_roughness = at(number(rest)?),
+        "ps" => material.layers.sheen = at_bands(rest, line)?,
         "d" => material.d = at(number(rest.strip_prefix("-halo").unwrap_or(rest))?),
         "tr" => material.tr = at(number(rest)?),
         "illum" => material.illum = at(number(rest)?),

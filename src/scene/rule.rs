@@ -12,7 +12,7 @@
 //! 4. **Matte** where illum is 0 or 1: diffuse = Kd.
 //! 5. Everything else (2, 10, absent): diffuse = Kd and, where Ks is not black, a **glossy** lobe Ks with exponent
 //!    Ns, else 10; kept in 1 … 10⁶. Where the material states Pr, the lobe is of microfacets; where it states Pm, or Pr and no Ks,
-//!    the material is principled (`facets.rs`). Glass is rough by Pr. map_Pr and map_Pm stand in place of Pr and Pm.
+//!    Pc or Ps, the material is principled (`facets.rs`, `layers.rs`). Glass is rough by Pr. map_Pr and map_Pm stand in place of Pr and Pm.
 //! 6. Kd absent: black where the material emits or has Ks, otherwise grey 0.5. map_Kd multiplies Kd; where Kd is black or
 //!    absent it stands alone, and in Blender's libraries it always does. Where it cannot be read, such a Kd is grey 0.5.
 //! 7. Where the reflectances sum to more than 1 in a band, with what is transmitted, all are scaled down by one factor; of a texture the
@@ -21,6 +21,7 @@
 //!    opaque material transparent.
 
 use super::facets::{self, Numbers};
+use super::layers;
 use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, OtherMap, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
@@ -51,6 +52,9 @@ const ALBEDO_SLACK: f32 = 1e-6;
 /// Applies the rule; fails where a value is negative or not finite, or where a picture that a scene file names cannot be read.
 pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut Warnings) -> Result<Material> {
     check(raw)?;
+    let mut warn = |line: Option<usize>, what: &str| warn_of(raw, warnings, line, what);
+    let transmitting = layers::transmitting(raw, facets::PRINCIPLED_ROUGHNESS, &mut warn);
+    let raw = transmitting.as_ref().unwrap_or(raw);
     let kind = raw.kind.unwrap_or_else(|| kind(raw));
     let colour = match raw.map_kd.as_ref().filter(|_| kind != Kind::Glass) {
         Some(stated) => textures.texture(stated, Role::Colour, warnings)?,
@@ -64,11 +68,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     let relief = relief(raw, textures, warnings)?;
     let emission = emission(raw, textures, warnings)?;
     let numbers = Numbers { roughness: roughness?, metallic: metallic? };
-    let mut warn = |line: Option<usize>, what: &str| {
-        let what = format!(": {what}");
-        let kind = Named { noun: ["material", "materials"], what: [&what, &what] };
-        warnings.add_named(&raw.file, line.or(Some(raw.line)), kind, &raw.name, String::new);
-    };
+    let mut warn = |line: Option<usize>, what: &str| warn_of(raw, warnings, line, what);
     for OtherMap { key, line, .. } in &raw.other_maps {
         warn(Some(*line), &format!("{key} is not read; its plain value is used"));
     }
@@ -140,6 +140,13 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     Ok(result)
 }
 
+/// Says what is done with a material.
+fn warn_of(raw: &RawMaterial, warnings: &mut Warnings, line: Option<usize>, what: &str) {
+    let what = format!(": {what}");
+    let kind = Named { noun: ["material", "materials"], what: [&what, &what] };
+    warnings.add_named(&raw.file, line.or(Some(raw.line)), kind, &raw.name, String::new);
+}
+
 /// What is stated by wavelength, for the lobes that a material of this kind has; none where nothing is. Where how much of it is metal
 /// varies, `kd` is the colour of both.
 fn spectra(raw: &RawMaterial, kind: Kind, is_mixed: bool) -> Option<Arc<MaterialSpectra>> {
@@ -180,7 +187,7 @@ fn kind(raw: &RawMaterial) -> Kind {
         5 | 8 | 10 if transmits(raw) => Kind::Glass,
         3 | 5 | 8 => Kind::Mirror,
         0 | 1 => Kind::Matte,
-        _ if raw.pm.is_some() || raw.map_pm.is_some() => Kind::Principled,
+        _ if raw.pm.is_some() || raw.map_pm.is_some() || layers::has_any(raw) => Kind::Principled,
         _ if (raw.pr.is_some() || raw.map_pr.is_some()) && raw.ks.is_none() => Kind::Principled,
         _ => Kind::Glossy,
     }
@@ -370,6 +377,7 @@ fn check(raw: &RawMaterial) -> Result<()> {
             }
         }
     }
+    layers::check(raw)?;
     match raw.ni {
         Some(At { value, line })
             if !value.is_finite() || (value != 0.0 && !ior_accepted(raw).contains(&value)) =>

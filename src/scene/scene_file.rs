@@ -5,6 +5,7 @@
 
 use super::absorption;
 use super::camera::CameraEntry;
+use super::layers;
 use super::light::{self, Light};
 use super::mtl::{At, Kind, RawMaterial, RawSpectra};
 use super::shape::Shape;
@@ -196,7 +197,7 @@ fn material_entry(table: Table, path: &Path) -> Result<MaterialEntry> {
 }
 
 /// What may be said of a material.
-const MATERIAL_KEYS: [&str; 25] = [
+const MATERIAL_KEYS: [&str; 32] = [
     "type",
     "kd",
     "ks",
@@ -222,6 +223,13 @@ const MATERIAL_KEYS: [&str; 25] = [
     "transmit",
     "anisotropy",
     "anisotropy_rotation",
+    layers::KEYS[0],
+    layers::KEYS[1],
+    layers::KEYS[2],
+    layers::KEYS[3],
+    layers::KEYS[4],
+    layers::KEYS[5],
+    layers::KEYS[6],
 ];
 
 /// Keys that some kinds of material alone read.
@@ -260,7 +268,8 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
             Some(known.ok_or_else(unknown)?.1)
         }
     };
-    for (key, kinds) in KEYS_OF_KINDS {
+    let of_layers = layers::KEYS.map(|key| (key, &[Kind::Principled][..]));
+    for (key, kinds) in KEYS_OF_KINDS.into_iter().chain(of_layers) {
         let Some(line) = table.line_of(key) else { continue };
         if !kind.is_some_and(|kind| kinds.contains(&kind)) {
             let what = format!("{key} in a material that is not of its kind");
@@ -354,6 +363,7 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         eta,
         k,
         saturated: table.boolean("saturated")?,
+        layers: layers::read(table)?,
         ..Default::default()
     })
 }

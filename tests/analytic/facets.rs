@@ -8,7 +8,7 @@ use joton::sampling::rng::sobol2;
 use joton::scene::{FacetKind, Facets, Inner, Material};
 
 const SAMPLES: u32 = 1 << 15;
-const COSINES: [f32; 5] = [1.0, 0.7, 0.4, 0.15, 0.03];
+pub const COSINES: [f32; 5] = [1.0, 0.7, 0.4, 0.15, 0.03];
 /// All of them scatter: narrower ones are followed, and lose less.
 const ALPHAS: [f32; 5] = [0.1, 0.25, 0.5, 0.75, 1.0];
 
@@ -18,7 +18,7 @@ fn material(diffuse: f32, alpha: f32, kind: FacetKind) -> PackedMaterial {
 }
 
 /// ∫ f_r cosθ dω for light at this cosine, by samples of the lobes.
-fn given_back(m: &PackedMaterial, cosine: f32) -> f64 {
+pub fn given_back(m: &PackedMaterial, cosine: f32) -> f64 {
     let (n, wo) = (Vec3::Z, Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine));
     let scatter = Scatter::of(m, wo, n);
     let of = |i: u32| {

@@ -22,6 +22,7 @@ mod glass;
 mod glints;
 mod glow;
 mod harness;
+mod layers;
 mod lobes;
 mod media;
 mod partition;

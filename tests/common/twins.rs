@@ -7,7 +7,7 @@ use joton::scene::texture::{
     Bitmap, Channel, Filter, NumberMap, Opacity, Relief, ReliefKind, Space, Texels, Texture, f16,
 };
 use joton::scene::{
-    Anisotropy, FacetKind, Facets, Inner, Interior, Light, Material, MaterialSpectra, Metallic, Scene,
+    Anisotropy, FacetKind, Facets, Inner, Interior, Layers, Light, Material, MaterialSpectra, Metallic, Scene,
 };
 use joton::spectrum::glass::Index;
 use std::path::Path;
@@ -328,6 +328,20 @@ pub fn all(size: u32) -> Vec<Twins> {
         let kind = FacetKind::Coat { ior: 1.5, inner: Inner::Even };
         (m.glossy, m.facets) = ([1.0; 3], Some(Facets { alpha: 0.2, kind }));
     };
+    let layered = |m: &mut Material| {
+        coated(m);
+        m.facets = Some(Facets { alpha: 0.2, kind: FacetKind::Schlick { ior: 1.5 } });
+        m.glossy = [0.04; 3];
+        m.layers = Some(Layers {
+            clear_coat: 0.5,
+            clear_coat_alpha: 0.3,
+            sheen: [0.5; 3],
+            sheen_roughness: 0.5,
+            head_on: [0.04; 3],
+            grazing: 1.0,
+            metallic: 0.0,
+        });
+    };
     let sunny = |mut scene: Scene| {
         let direction = DVec3::new(0.3, -1.0, 0.5).normalize();
         scene.lights.push(Light::Sun { direction, irradiance: [1.0; 3] });
@@ -486,6 +500,12 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NothingBrushed,
             case("cornell, coated", changed(file("cornell", size), coated)),
             case("cornell, brushed", brushed(changed(file("cornell", size), coated))),
+        ),
+        twins(
+            Part::Layers,
+            Reason::NoLayers,
+            case("cornell, coated", changed(file("cornell", size), coated)),
+            case("cornell with layers", changed(file("cornell", size), layered)),
         ),
         twins(
             Part::ShadingNormals,

@@ -212,7 +212,7 @@ fn weights_share_out_the_flux() {
         imports: BSDF,
         declarations: MATERIALS,
         code:
-            "let w = lobe_weights(materials[u32(in_f(0u).w)], in_f(0u).xyz, AtAngle(Bands(in_f(1u).x), 1.0));
+            "let w = lobe_weights(materials[u32(in_f(0u).w)], in_f(0u).xyz, AtAngle(Bands(in_f(1u).x), 1.0, 0.0, 0.0));
             let r = roulette(w, u32(in_f(1u).y));
             out_f(0u, vec4(w.diffuse, w.glossy, w.mirror, w.reflection));
             out_f(1u, vec4(w.transmission, r.transmission, 0.0, 0.0));

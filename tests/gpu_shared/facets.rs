@@ -65,13 +65,13 @@ fn passed(m: &Material, ior: f64, cos: f64) -> f64 {
 }
 
 /// Smith's Λ by the tangent.
-fn lambda(alpha: f64, cos: f64) -> f64 {
+pub fn lambda(alpha: f64, cos: f64) -> f64 {
     let tan2 = 1.0 / (cos * cos) - 1.0;
     ((1.0 + alpha * alpha * tan2).sqrt() - 1.0) / 2.0
 }
 
 /// GGX by the tangent, 1/sr.
-fn density(alpha: f64, cos: f64) -> f64 {
+pub fn density(alpha: f64, cos: f64) -> f64 {
     let tan2 = 1.0 / (cos * cos) - 1.0;
     1.0 / (PI * alpha * alpha * cos.powi(4) * (1.0 + tan2 / (alpha * alpha)).powi(2))
 }
@@ -93,8 +93,8 @@ fn wanted(m: &Material, p: &PackedMaterial, n: DVec3, wi: DVec3, wo: DVec3, band
     (f, [ci / PI, d / ((1.0 + lo) * 4.0 * co)])
 }
 
-/// What is scattered more than once [E41]: with the fit of what is masked, and its mean by the midpoint rule.
-fn scattered_again(m: &Material, p: &PackedMaterial, band: usize, alpha: f64, [ci, co]: [f64; 2]) -> f64 {
+/// What facets mask at two cosines, by the fit, and its mean by the midpoint rule.
+pub fn lost_and_mean(alpha: f64, cosines: [f64; 2]) -> ([f64; 2], f64) {
     let lost = |c: f64| {
         let term = |(j, row): (usize, &[f32; 4])| {
             let of =
@@ -103,12 +103,19 @@ fn scattered_again(m: &Material, p: &PackedMaterial, band: usize, alpha: f64, [c
         };
         GGX_LOST.iter().enumerate().map(term).sum::<f64>()
     };
+    (cosines.map(|c| lost(c).max(0.0)), even(&lost).max((0.9 * alpha * alpha).min(0.0152)))
+}
+
+/// Mean over even light, by the midpoint rule.
+fn even(of: &dyn Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 200;
-    let even = |of: &dyn Fn(f64) -> f64| {
-        let at = |i: usize| (i as f64 + 0.5) / STEPS as f64;
-        (0..STEPS).map(|i| 2.0 * at(i) * of(at(i))).sum::<f64>() / STEPS as f64
-    };
-    let mean = even(&lost).max((0.9 * alpha * alpha).min(0.0152));
+    let at = |i: usize| (i as f64 + 0.5) / STEPS as f64;
+    (0..STEPS).map(|i| 2.0 * at(i) * of(at(i))).sum::<f64>() / STEPS as f64
+}
+
+/// What is scattered more than once [E41].
+fn scattered_again(m: &Material, p: &PackedMaterial, band: usize, alpha: f64, [ci, co]: [f64; 2]) -> f64 {
+    let ([lost_i, lost_o], mean) = lost_and_mean(alpha, [ci, co]);
     let head_on = reflectance(m, p, band, 1.0);
     let tint = f64::from(m.glossy[band]);
     let of_even = match m.facets.unwrap().kind {
@@ -121,7 +128,7 @@ fn scattered_again(m: &Material, p: &PackedMaterial, band: usize, alpha: f64, [c
         _ => return 0.0,
     };
     let kept = of_even * of_even * (1.0 - mean) / (1.0 - of_even * mean);
-    kept * lost(ci).max(0.0) * lost(co).max(0.0) / (PI * mean)
+    kept * lost_i * lost_o / (PI * mean)
 }
 
 fn with_facets(diffuse: [f32; 3], glossy: [f32; 3], alpha: f32, kind: FacetKind) -> Material {

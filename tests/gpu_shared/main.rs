@@ -13,6 +13,7 @@ mod facets;
 mod followed;
 mod grid;
 mod intersect;
+mod layers;
 mod live;
 mod paths;
 mod rng;

@@ -7,6 +7,7 @@ mod folder;
 mod formats;
 mod glass;
 mod growth;
+mod layers;
 mod materials;
 mod media;
 mod meshes;

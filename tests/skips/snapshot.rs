@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 32] = [
+const REASONS: [Reason; 33] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -58,6 +58,7 @@ const REASONS: [Reason; 32] = [
     Reason::NothingTranslucent,
     Reason::NoMicrofacets,
     Reason::NothingBrushed,
+    Reason::NoLayers,
     Reason::AllFlat,
     Reason::AllLightsAreSurfaces,
     Reason::NothingTouches,

@@ -16,6 +16,7 @@ mod emission;
 mod glints;
 mod guide;
 mod images;
+mod layers;
 mod media;
 mod negative;
 mod non_finite;

@@ -10,11 +10,11 @@ use crate::backend::Tally;
 use crate::optics::lights::pick::pdf_light;
 use crate::optics::lights::samples::LightSample;
 use crate::optics::ray::{SurfaceInteraction, reaches};
-use crate::optics::shading::bsdf::{Bsdf, Shares};
+use crate::optics::shading::bsdf::{Bsdf, Followed, Shares};
 use crate::packed::{PackedEmitter, PackedScene};
 use crate::plan::Plan;
 use crate::sampling::rng::{random4, seed_at, sequence2};
-use crate::spectrum::{BLACK, Bands, mul, scale};
+use crate::spectrum::{BLACK, Bands, add, mul, scale};
 
 /// The lights of a scene, as shadow rays pick them.
 pub(super) struct FollowedLight<'a> {
@@ -66,7 +66,11 @@ impl<'a> FollowedLight<'a> {
 
     /// What a light sample gives if nothing shades it, with its share of the weight.
     fn unshadowed(&self, v: &Vertex, l: &LightSample) -> Bands {
-        let Some(followed) = v.bsdf.followed_from(l.wi) else { return BLACK };
+        v.bsdf.followed_from(l.wi).fold(BLACK, |sum, followed| add(&sum, &self.by_lobe(v, l, &followed)))
+    }
+
+    /// The same of one of the lobes.
+    fn by_lobe(&self, v: &Vertex, l: &LightSample, followed: &Followed) -> Bands {
         let s = v.surface;
         let inside = s.sides.toward(l.wi.dot(s.ng) < 0.0);
         let given = mul(&followed.f_cos, &l.through(self.scene, inside));

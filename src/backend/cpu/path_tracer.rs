@@ -243,14 +243,19 @@ impl<'a> Path<'a> {
         u: [f32; 2],
     ) {
         let Some(l) = sample_light(self.scene, &self.scene.emitters, s.position, u) else { return };
-        let Some(Followed { lobe, f_cos, pdf }) = bsdf.followed_from(l.wi) else { return };
+        let mut lobes = bsdf.followed_from(l.wi).peekable();
+        if lobes.peek().is_none() {
+            return;
+        }
         self.rays += 1;
         if !reaches(self.scene, &s.leave(l.wi), l.target) {
             return;
         }
-        let by_lobe = pdf * shares.delta[lobe] / shares.followed();
-        let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + by_lobe) } else { 1.0 };
         let light = l.through(self.scene, s.sides.toward(l.wi.dot(s.ng) < 0.0));
-        self.found(&scale(&mul(&mul(throughput, &f_cos), &light), weight));
+        for Followed { lobe, f_cos, pdf } in lobes {
+            let by_lobe = pdf * shares.delta[lobe] / shares.followed();
+            let weight = if l.pdf > 0.0 { l.pdf / (l.pdf + by_lobe) } else { 1.0 };
+            self.found(&scale(&mul(&mul(throughput, &f_cos), &light), weight));
+        }
     }
 }

@@ -85,6 +85,7 @@ impl Kernel {
             split_heap,
             no_facets: is_without("HAS_FACETS"),
             no_media: is_without("HAS_MEDIA"),
+            no_layers: is_without("HAS_LAYERS"),
             no_facet_textures: is_without("HAS_FACET_TEXTURES"),
             no_anisotropy: is_without("HAS_ANISOTROPY"),
             no_relief: is_without("HAS_RELIEF"),

@@ -228,12 +228,14 @@ impl Bsdf {
         self.delta.iter().any(DeltaLobe::has_width)
     }
 
-    /// What a lobe that is followed, with a width, sends back along the ray from the direction `w`; none where there is no such lobe.
-    pub(crate) fn followed_from(&self, w: Vec3) -> Option<Followed> {
+    /// What each lobe that is followed, with a width, sends back along the ray from the direction `w`.
+    pub(crate) fn followed_from(&self, w: Vec3) -> impl Iterator<Item = Followed> {
         let crosses = w.dot(self.frame.ng) < 0.0;
-        let lobe = self.delta.iter().position(|lobe| lobe.crosses() == crosses)?;
-        let pdf = self.pdf_delta(lobe, w).filter(|pdf| *pdf > 0.0)?;
-        Some(Followed { lobe, f_cos: self.through_delta(lobe, w, &[pdf; BANDS]), pdf })
+        let lobes = self.delta.iter().enumerate().filter(move |(_, lobe)| lobe.crosses() == crosses);
+        lobes.filter_map(move |(lobe, _)| {
+            let pdf = self.pdf_delta(lobe, w).filter(|pdf| *pdf > 0.0)?;
+            Some(Followed { lobe, f_cos: self.through_delta(lobe, w, &[pdf; BANDS]), pdf })
+        })
     }
 
     /// By how much radiance scales by a delta lobe \[E9\].

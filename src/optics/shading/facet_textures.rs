@@ -16,7 +16,7 @@ pub(super) fn at(m: &PackedMaterial, textures: &Textures, uv: [f32; 2], width: f
     // what a gather point keeps of them on a device
     let [alpha, metallic] = [alpha, metallic].map(|x| f16::from_f32(x).to_f32());
     let alpha = if alpha < SMOOTH_ALPHA { 0.0 } else { alpha };
-    let mut result = PackedMaterial { alpha, ..*m };
+    let mut result = PackedMaterial { alpha, metallic, ..*m };
     let flags = m.flags();
     if flags.is_dielectric() {
         if alpha == 0.0 {
@@ -31,6 +31,10 @@ pub(super) fn at(m: &PackedMaterial, textures: &Textures, uv: [f32; 2], width: f
         // of even light the coat lets in what it lets out
         let coat = if flags.is_coated() { m.coat_transmittance } else { 1.0 };
         tint = m.diffuse.map(|base| (1.0 - metallic) * head_on + metallic * (base * coat));
+        if flags.is_layered() {
+            // coloured, and what is diffuse lies under a grey coat
+            tint = std::array::from_fn(|b| (1.0 - metallic) * m.iors[b] + metallic * (m.diffuse[b] * coat));
+        }
         result.diffuse = scale(&m.diffuse, 1.0 - metallic);
     }
     let is_followed = m.brush().map_or(alpha, |brush| brush.mean_alpha(alpha)) <= FOLLOWED_ALPHA;

@@ -2,6 +2,7 @@
 
 use crate::optics::shading::dielectric::fresnel;
 use crate::packed::PackedMaterial;
+use crate::packed::constants::CLEAR_COAT_HEAD_ON;
 use crate::spectrum::{BANDS, BLACK, Bands, scale};
 
 /// What reflects.
@@ -9,8 +10,8 @@ use crate::spectrum::{BANDS, BLACK, Bands, scale};
 pub(super) enum Fresnel {
     /// Metal of index η + ik, and a factor.
     Conductor { tint: Bands, eta: Bands, k: Bands },
-    /// Schlick's formula: what is reflected head on.
-    Schlick { head_on: Bands },
+    /// Schlick's formula: what is reflected head on, and at grazing angles.
+    Schlick { head_on: Bands, grazing: f32 },
     /// A clear coat of this index, and a factor.
     Coat { tint: Bands, ior: f32 },
 }
@@ -21,7 +22,10 @@ impl Fresnel {
         if m.flags().is_conductor() {
             Self::Conductor { tint, eta: m.iors, k: m.extinction }
         } else if m.flags().is_schlick() {
-            Self::Schlick { head_on: tint }
+            // of a layered material's dielectric part less may be reflected there than of its metal
+            let is_layered = m.flags().is_layered();
+            let grazing = if is_layered { m.grazing + m.metallic * (1.0 - m.grazing) } else { 1.0 };
+            Self::Schlick { head_on: tint, grazing }
         } else {
             Self::Coat { tint, ior: m.ior }
         }
@@ -30,7 +34,8 @@ impl Fresnel {
     /// Of the coat over a material's base, the same in all bands: by Schlick's formula where its lobe is.
     pub(super) fn of_bare_coat(m: &PackedMaterial) -> Self {
         if m.flags().is_schlick() {
-            Self::Schlick { head_on: [((m.ior - 1.0) / (m.ior + 1.0)).powi(2); BANDS] }
+            let grazing = if m.flags().is_layered() { m.grazing } else { 1.0 };
+            Self::Schlick { head_on: [((m.ior - 1.0) / (m.ior + 1.0)).powi(2); BANDS], grazing }
         } else {
             Self::Coat { tint: [1.0; BANDS], ior: m.ior }
         }
@@ -40,9 +45,9 @@ impl Fresnel {
     pub(super) fn of_even_light(&self) -> Bands {
         match self {
             Self::Conductor { tint, eta, k } => {
-                std::array::from_fn(|b| tint[b] * even(of_conductor(1.0, eta[b], k[b])))
+                std::array::from_fn(|b| tint[b] * even(of_conductor(1.0, eta[b], k[b]), 1.0))
             }
-            Self::Schlick { head_on } => head_on.map(even),
+            Self::Schlick { head_on, grazing } => head_on.map(|r| even(r, *grazing)),
             Self::Coat { .. } => BLACK,
         }
     }
@@ -58,15 +63,20 @@ impl Fresnel {
                 }
                 reflectance
             }
-            Self::Schlick { head_on } => head_on.map(|r| r + (1.0 - r) * (1.0 - cosine).powi(5)),
+            Self::Schlick { head_on, grazing } => head_on.map(|r| r + (grazing - r) * (1.0 - cosine).powi(5)),
             Self::Coat { tint, ior } => scale(tint, fresnel(cosine, *ior)),
         }
     }
 }
 
-/// Of even light, from what is reflected head on: by Schlick's formula, 2 ∫ c (R₀ + (1 − R₀)(1 − c)⁵) dc.
-fn even(head_on: f32) -> f32 {
-    (20.0 * head_on + 1.0) / 21.0
+/// Of even light, from what is reflected head on and at grazing angles: by Schlick's formula, 2 ∫ c (R₀ + (R₁ − R₀)(1 − c)⁵) dc.
+fn even(head_on: f32, grazing: f32) -> f32 {
+    (20.0 * head_on + grazing) / 21.0
+}
+
+/// Reflectance of so much of a smooth clear coat over all else, for light at this cosine \[E50\].
+pub(super) fn of_clear_coat(amount: f32, cosine: f32) -> f32 {
+    amount * (CLEAR_COAT_HEAD_ON + (1.0 - CLEAR_COAT_HEAD_ON) * (1.0 - cosine.clamp(0.0, 1.0)).powi(5))
 }
 
 /// Reflectance of smooth metal of index η + ik in air.

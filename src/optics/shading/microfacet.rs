@@ -3,6 +3,7 @@
 
 use crate::optics::shading::anisotropy::Brushed;
 use crate::optics::shading::fresnel::Fresnel;
+use crate::optics::shading::layers::{Layers, covered};
 use crate::packed::PackedMaterial;
 use crate::packed::constants::GGX_LOST;
 use crate::sampling::distributions::{to_world, unit_circle};
@@ -26,7 +27,7 @@ impl Ggx {
     }
 
     /// Density of normals, 1/sr.
-    fn density(&self, h: Vec3, n: Vec3) -> f32 {
+    pub(super) fn density(&self, h: Vec3, n: Vec3) -> f32 {
         if let Some(brushed) = &self.brushed {
             return brushed.density(h, n);
         }
@@ -48,7 +49,7 @@ impl Ggx {
     }
 
     /// G₂/(4 cosθi cosθo).
-    fn visibility(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+    pub(super) fn visibility(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
         let (cos_i, cos_o) = (wi.dot(n), wo.dot(n));
         0.5 / (cos_i * self.slope(wo, n, cos_o) + cos_o * self.slope(wi, n, cos_i))
     }
@@ -123,6 +124,8 @@ pub(crate) struct Microfacet {
     /// Part of even light that facets mask from each other, and what of it leaves after all (Kulla & Conty 2017).
     lost: f32,
     kept: Bands,
+    /// What lies over it.
+    layers: Option<Layers>,
     /// Reflectance of a facet that lies flat, at the angle of the view: near the lobe's.
     pub(crate) albedo: Bands,
 }
@@ -134,7 +137,9 @@ impl Microfacet {
         let ggx = Ggx::of(m);
         let lost = ggx.lost_of_even_light();
         let kept = fresnel.of_even_light().map(|r| r * r * (1.0 - lost) / (1.0 - r * lost));
-        Self { fresnel, ggx, lost, kept, albedo: fresnel.at(cosine) }
+        let layers = Layers::over(m);
+        let albedo = covered(layers, fresnel.at(cosine), cosine, cosine);
+        Self { fresnel, ggx, lost, kept, layers, albedo }
     }
 
     /// False for a smooth surface.
@@ -150,7 +155,8 @@ impl Microfacet {
         }
         let h = (wi + wo).normalize();
         let shape = self.ggx.density(h, n) * self.ggx.visibility(wi, wo, n);
-        add(&scale(&self.fresnel.at(wo.dot(h)), shape), &self.again(cos_i, cos_o))
+        let bare = add(&scale(&self.fresnel.at(wo.dot(h)), shape), &self.again(cos_i, cos_o));
+        covered(self.layers, bare, cos_i, cos_o)
     }
 
     /// f_r of what is scattered more than once, 1/sr.
@@ -181,7 +187,8 @@ impl Microfacet {
         let h = (wi + wo).normalize();
         let once = scale(&self.fresnel.at(wo.dot(h)), self.ggx.seen_again(wi, wo, n));
         let pdf = self.ggx.pdf(h, n, wo);
-        add(&once, &scale(&self.again(cos_i, cos_o), cos_i / pdf.max(f32::MIN_POSITIVE)))
+        let bare = add(&once, &scale(&self.again(cos_i, cos_o), cos_i / pdf.max(f32::MIN_POSITIVE)));
+        covered(self.layers, bare, cos_i, cos_o)
     }
 }
 

@@ -4,12 +4,14 @@
 
 mod anisotropy;
 pub mod bsdf;
+mod clear_coat;
 pub(crate) mod cutout;
 mod dielectric;
 mod facet_textures;
 pub(crate) mod frame;
 mod fresnel;
 mod lambert;
+mod layers;
 pub(crate) mod material;
 mod microfacet;
 mod mirror;
@@ -17,13 +19,15 @@ pub mod phong;
 pub(crate) mod relief;
 mod rough_interface;
 pub(crate) mod roulette;
+mod sheen;
 pub(crate) mod texture;
 mod translucent;
 mod undercoat;
 
 use crate::packed::PackedMaterial;
-use crate::spectrum::Bands;
+use crate::spectrum::{Bands, is_black};
 use arrayvec::ArrayVec;
+use clear_coat::ClearCoat;
 use dielectric::Way;
 use frame::Frame;
 use glam::Vec3;
@@ -32,11 +36,12 @@ use microfacet::Microfacet;
 use mirror::Mirror;
 use phong::Phong;
 use rough_interface::RoughWay;
+use sheen::Sheen;
 use translucent::Translucent;
 use undercoat::Undercoat;
 
 /// Most lobes of a material that scatter …
-pub(crate) const SCATTER_MOST: usize = 3;
+pub(crate) const SCATTER_MOST: usize = 4;
 /// … and most delta lobes.
 pub(crate) const DELTA_MOST: usize = 2;
 
@@ -48,6 +53,8 @@ pub(crate) enum ScatterLobe {
     Phong(Phong),
     Microfacet(Microfacet),
     Translucent(Translucent),
+    Sheen(Sheen),
+    ClearCoat(ClearCoat),
 }
 
 impl ScatterLobe {
@@ -58,6 +65,8 @@ impl ScatterLobe {
             Self::Phong(p) => p.albedo,
             Self::Microfacet(m) => m.albedo,
             Self::Translucent(t) => t.albedo,
+            Self::Sheen(s) => s.albedo,
+            Self::ClearCoat(c) => c.albedo,
         }
     }
 
@@ -68,6 +77,8 @@ impl ScatterLobe {
             Self::Phong(p) => p.eval(wi, wo, n),
             Self::Microfacet(m) => m.eval(wi, wo, n),
             Self::Translucent(t) => t.eval(),
+            Self::Sheen(s) => s.eval(wi, wo, n),
+            Self::ClearCoat(c) => c.eval(wi, wo, n),
         }
     }
 
@@ -78,6 +89,8 @@ impl ScatterLobe {
             Self::Phong(p) => p.pdf(wi, wo, n),
             Self::Microfacet(m) => m.pdf(wi, wo, n),
             Self::Translucent(t) => t.pdf(wi, n),
+            Self::Sheen(s) => s.pdf(wi, n),
+            Self::ClearCoat(c) => c.pdf(wi, wo, n),
         }
     }
 
@@ -88,6 +101,8 @@ impl ScatterLobe {
             Self::Phong(p) => p.sample(wo, n, u),
             Self::Microfacet(m) => m.sample(wo, n, u),
             Self::Translucent(t) => t.sample(n, u),
+            Self::Sheen(s) => s.sample(n, u),
+            Self::ClearCoat(c) => c.sample(wo, n, u),
         }
     }
 
@@ -127,6 +142,14 @@ fn scatter_lobes(m: &PackedMaterial, cosine: f32) -> ArrayVec<ScatterLobe, SCATT
     if m.flags().is_translucent() {
         lobes.push(ScatterLobe::Translucent(Translucent { albedo: m.transmission }));
     }
+    if m.flags().is_layered() {
+        if !is_black(&m.extinction) {
+            lobes.push(ScatterLobe::Sheen(Sheen::new(m, cosine)));
+        }
+        if m.clear_coat > 0.0 && !m.flags().follows_clear_coat() {
+            lobes.push(ScatterLobe::ClearCoat(ClearCoat::new(m, cosine)));
+        }
+    }
     lobes
 }
 
@@ -135,6 +158,7 @@ fn scatter_lobes(m: &PackedMaterial, cosine: f32) -> ArrayVec<ScatterLobe, SCATT
 pub(crate) enum DeltaLobe {
     Mirror(Mirror),
     Facets(Microfacet),
+    ClearCoat(ClearCoat),
     Interface(Way),
     RoughInterface(RoughWay),
 }
@@ -145,6 +169,7 @@ impl DeltaLobe {
         match self {
             Self::Mirror(m) => m.albedo,
             Self::Facets(m) => m.albedo,
+            Self::ClearCoat(c) => c.albedo,
             Self::Interface(w) => w.albedo,
             Self::RoughInterface(w) => w.albedo,
         }
@@ -159,6 +184,11 @@ impl DeltaLobe {
                 let w = m.sample(f.back, f.specular_normal(), u);
                 Some(w).filter(|w| w.dot(f.ng) > 0.0 && w.dot(f.specular_normal()) > 0.0)
             }
+            Self::ClearCoat(c) if !c.has_width() => Some(Mirror::direction(f)),
+            Self::ClearCoat(c) => {
+                let w = c.sample(f.back, f.specular_normal(), u);
+                Some(w).filter(|w| w.dot(f.ng) > 0.0 && w.dot(f.specular_normal()) > 0.0)
+            }
             Self::Interface(w) => Some(w.direction),
             Self::RoughInterface(w) => w.sample(f, u),
         }
@@ -170,6 +200,8 @@ impl DeltaLobe {
             Self::Mirror(m) => m.albedo,
             Self::Facets(m) if !m.has_width() => m.albedo,
             Self::Facets(m) => m.reflected(w, f.back, f.specular_normal()),
+            Self::ClearCoat(c) if !c.has_width() => c.albedo,
+            Self::ClearCoat(c) => c.reflected(w, f.back, f.specular_normal()),
             Self::Interface(w) => w.albedo,
             Self::RoughInterface(way) => way.through(f, w),
         }
@@ -178,7 +210,7 @@ impl DeltaLobe {
     /// By how much radiance scales on the way to the eye [E9].
     pub(crate) fn radiance_scale(&self, f: &Frame) -> f32 {
         match self {
-            Self::Mirror(_) | Self::Facets(_) => 1.0,
+            Self::Mirror(_) | Self::Facets(_) | Self::ClearCoat(_) => 1.0,
             Self::Interface(w) => w.radiance_scale,
             Self::RoughInterface(w) => w.radiance_scale(f),
         }
@@ -189,6 +221,7 @@ impl DeltaLobe {
         match self {
             Self::Mirror(m) => m.has_width(),
             Self::Facets(m) => m.has_width(),
+            Self::ClearCoat(c) => c.has_width(),
             Self::Interface(_) => false,
             Self::RoughInterface(_) => true,
         }
@@ -199,6 +232,7 @@ impl DeltaLobe {
         self.has_width().then(|| match self {
             Self::Mirror(m) => m.pdf(f, w),
             Self::Facets(m) => m.pdf(w, f.back, f.specular_normal()),
+            Self::ClearCoat(c) => c.pdf(w, f.back, f.specular_normal()),
             Self::Interface(_) => 0.0,
             Self::RoughInterface(way) => way.pdf(f, w),
         })
@@ -207,7 +241,7 @@ impl DeltaLobe {
     /// True where it sends light to the other side of the surface.
     fn crosses(&self) -> bool {
         match self {
-            Self::Mirror(_) | Self::Facets(_) => false,
+            Self::Mirror(_) | Self::Facets(_) | Self::ClearCoat(_) => false,
             // nobody asks: it has no width
             Self::Interface(_) => false,
             Self::RoughInterface(w) => w.is_transmission,
@@ -225,7 +259,12 @@ fn delta_lobes(m: &PackedMaterial, frame: &Frame) -> ArrayVec<DeltaLobe, DELTA_M
         lobes.extend(dielectric::ways(m, frame).map(DeltaLobe::Interface));
     } else if flags.has_delta() && flags.has_facets() {
         let cosine = frame.back.dot(frame.specular_normal());
-        lobes.push(DeltaLobe::Facets(Microfacet::new(m, m.specular, cosine)));
+        if flags.has_specular() {
+            lobes.push(DeltaLobe::Facets(Microfacet::new(m, m.specular, cosine)));
+        }
+        if flags.follows_clear_coat() {
+            lobes.push(DeltaLobe::ClearCoat(ClearCoat::new(m, cosine)));
+        }
     } else if flags.has_delta() {
         lobes.push(DeltaLobe::Mirror(Mirror { albedo: m.specular, exponent: m.specular_exponent }));
     }

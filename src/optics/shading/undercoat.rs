@@ -1,6 +1,7 @@
 //! What is diffuse under a clear coat: f_r = albedo/π T(θi) T(θo), T = 1 − R of the coat \[E42\]. Twin: shaders/shading/undercoat.wgsl.
 
 use crate::optics::shading::fresnel::Fresnel;
+use crate::optics::shading::layers::{Layers, covered};
 use crate::packed::PackedMaterial;
 use crate::sampling::distributions::{cosine_hemisphere, to_world};
 use crate::spectrum::{Bands, scale};
@@ -14,6 +15,8 @@ pub(crate) struct Undercoat {
     base: Bands,
     /// The bare coat.
     coat: Fresnel,
+    /// What lies over both.
+    layers: Option<Layers>,
     /// Reflectance for light that leaves, or arrives, at the angle of the view.
     pub(super) albedo: Bands,
 }
@@ -23,12 +26,16 @@ impl Undercoat {
     pub(super) fn new(m: &PackedMaterial, cosine: f32) -> Self {
         let coat = Fresnel::of_bare_coat(m);
         let passes = passed(&coat, cosine) * m.coat_transmittance;
-        Self { base: m.diffuse, coat, albedo: scale(&m.diffuse, passes) }
+        let layers = Layers::over(m);
+        let albedo = covered(layers, scale(&m.diffuse, passes), cosine, cosine);
+        Self { base: m.diffuse, coat, layers, albedo }
     }
 
     /// f_r, 1/sr.
     pub(super) fn eval(&self, wi: Vec3, wo: Vec3, n: Vec3) -> Bands {
-        scale(&self.base, FRAC_1_PI * passed(&self.coat, wi.dot(n)) * passed(&self.coat, wo.dot(n)))
+        let (cos_i, cos_o) = (wi.dot(n), wo.dot(n));
+        let bare = scale(&self.base, FRAC_1_PI * passed(&self.coat, cos_i) * passed(&self.coat, cos_o));
+        covered(self.layers, bare, cos_i, cos_o)
     }
 
     /// pdf_solid_angle of [`Undercoat::sample`].

@@ -1,0 +1,171 @@
+//! Layers: what a principled material has over its base, as glTF's extensions say it: a clear coat, sheen, and how much its dielectric part
+//! reflects \[E50–E52\]; and what it lets through.
+//!
+//! - **Clear coat** of index 1.5 over everything else: `clearcoat` is how much of it is there, 0 to 1.
+//! - **Sheen**, of fibres, between the coat and the base: a colour, and a roughness.
+//! - **Specular**: a factor on what the dielectric part reflects, and a colour on what it reflects head on.
+//! - **Transmission** of 1: the material is glass; of 0: it is opaque. Values between are taken for the nearer one.
+
+use super::Layers;
+use super::material::WHITE;
+use super::mtl::{At, Kind, RawLayers, RawMaterial};
+use super::table::Table;
+use crate::spectrum::{self, BLACK, Bands};
+use crate::{Error, Result};
+
+/// Keys of scene files that this file reads.
+pub(super) const KEYS: [&str; 7] = [
+    "clearcoat",
+    "clearcoat_roughness",
+    "sheen_color",
+    "sheen_roughness",
+    "specular",
+    "specular_color",
+    "transmission",
+];
+
+/// Roughness of sheen where nothing is said.
+const SHEEN_ROUGHNESS: f32 = 0.5;
+/// Sheen that is less rough than this reflects more than it gets at grazing angles: it counts as this rough.
+const SHEEN_ROUGHNESS_LEAST: f32 = 0.3;
+
+/// What a scene file says of them.
+pub(super) fn read(table: &Table) -> Result<RawLayers> {
+    let single = |key| Ok::<_, Error>(table.number(key)?.map(|v| At { value: v.value as f32, line: v.line }));
+    Ok(RawLayers {
+        clear_coat: single("clearcoat")?,
+        clear_coat_roughness: single("clearcoat_roughness")?,
+        sheen: table.bands("sheen_color")?,
+        sheen_roughness: single("sheen_roughness")?,
+        specular: single("specular")?,
+        specular_colour: table.bands("specular_color")?,
+        transmission: single("transmission")?,
+    })
+}
+
+/// Of two statements about each the second counts.
+pub(super) fn overridden(first: RawLayers, second: &RawLayers) -> RawLayers {
+    RawLayers {
+        clear_coat: second.clear_coat.or(first.clear_coat),
+        clear_coat_roughness: second.clear_coat_roughness.or(first.clear_coat_roughness),
+        sheen: second.sheen.or(first.sheen),
+        sheen_roughness: second.sheen_roughness.or(first.sheen_roughness),
+        specular: second.specular.or(first.specular),
+        specular_colour: second.specular_colour.or(first.specular_colour),
+        transmission: second.transmission.or(first.transmission),
+    }
+}
+
+/// Numbers from 0 to 1, and colours that none is negative of; libraries hold all sorts of numbers, which are cut where they are used.
+pub(super) fn check(raw: &RawMaterial) -> Result<()> {
+    let of = &raw.layers;
+    let is_of_library = raw.kind.is_none() || raw.is_of_blender;
+    let words = if is_of_library { ["Pc", "Pcr", "Ps"] } else { [KEYS[0], KEYS[1], KEYS[2]] };
+    let fault = |key: &str, line: usize, value: &dyn std::fmt::Debug, remedy: &str| {
+        let what = format!("material \"{}\": {key} of {value:?}", raw.name);
+        Err(Error::scene(&raw.file, Some(line), what, remedy))
+    };
+    let numbers = [
+        (words[0], of.clear_coat),
+        (words[1], of.clear_coat_roughness),
+        (KEYS[3], of.sheen_roughness),
+        (KEYS[4], of.specular),
+        (KEYS[6], of.transmission),
+    ];
+    for (key, stated) in numbers {
+        let Some(At { value, line }) = stated else { continue };
+        if !value.is_finite() || value < 0.0 || (value > 1.0 && !is_of_library) {
+            return fault(key, line, &value, "give 0 to 1");
+        }
+    }
+    for (key, stated, most) in [(words[2], of.sheen, 1.0), (KEYS[5], of.specular_colour, f32::MAX)] {
+        let Some(At { value, line }) = stated else { continue };
+        let is_accepted = |x: &f32| x.is_finite() && *x >= 0.0 && (*x <= most || is_of_library);
+        if !value.iter().all(is_accepted) {
+            let remedy = if most == 1.0 { "give 0 to 1 per band" } else { "give numbers of at least 0" };
+            return fault(key, line, &value, remedy);
+        }
+    }
+    Ok(())
+}
+
+/// True where a library asks for a layer: its material is a principled one.
+pub(super) fn has_any(raw: &RawMaterial) -> bool {
+    let coat = raw.layers.clear_coat.is_some_and(|coat| coat.value > 0.0);
+    coat || raw.layers.sheen.is_some_and(|sheen| !spectrum::is_black(&sheen.value))
+}
+
+/// What is reflected head on by the dielectric part, per band, of index `ior`; and at grazing angles.
+pub(super) fn of_dielectric(raw: &RawMaterial, ior: f32) -> (Bands, f32) {
+    let weight = raw.layers.specular.map_or(1.0, |s| s.value).clamp(0.0, 1.0);
+    let colour = raw.layers.specular_colour.map_or(WHITE, |c| c.value);
+    let head_on = ((ior - 1.0) / (ior + 1.0)).powi(2);
+    (colour.map(|c| (head_on * c).min(1.0) * weight), weight)
+}
+
+/// The layers of a principled material, whose base is `metallic` where that is the same all over; none where it has none.
+pub(super) fn layers(raw: &RawMaterial, ior: f32, metallic: f32) -> Option<Layers> {
+    let of = &raw.layers;
+    let within =
+        |stated: Option<At<f32>>, unstated: f32| stated.map_or(unstated, |x| x.value.clamp(0.0, 1.0));
+    let (head_on, grazing) = of_dielectric(raw, ior);
+    let sheen = of.sheen.map_or(BLACK, |sheen| sheen.value.map(|x| x.clamp(0.0, 1.0)));
+    let clear_coat = within(of.clear_coat, 0.0);
+    let is_plain = grazing == 1.0 && of.specular_colour.is_none_or(|colour| colour.value == WHITE);
+    if clear_coat == 0.0 && spectrum::is_black(&sheen) && is_plain {
+        return None;
+    }
+    Some(Layers {
+        clear_coat,
+        clear_coat_alpha: within(of.clear_coat_roughness, 0.0).powi(2),
+        sheen,
+        sheen_roughness: within(of.sheen_roughness, SHEEN_ROUGHNESS).max(SHEEN_ROUGHNESS_LEAST),
+        head_on,
+        grazing,
+        metallic,
+    })
+}
+
+/// Index of the grey coat over a base that reflects at most this head on.
+pub(super) fn index_of(head_on: &Bands) -> f32 {
+    let root = spectrum::max(head_on).min(0.999).sqrt();
+    (1.0 + root) / (1.0 - root)
+}
+
+/// A material that transmits as the glass that it is; none where it is opaque.
+/// Where no roughness is stated it is `roughness`.
+pub(super) fn transmitting(
+    raw: &RawMaterial,
+    roughness: f32,
+    warn: &mut impl FnMut(Option<usize>, &str),
+) -> Option<RawMaterial> {
+    let At { value, line } = raw.layers.transmission.filter(|_| raw.kind == Some(Kind::Principled))?;
+    // metal lets nothing through
+    let part = value * (1.0 - raw.pm.map_or(0.0, |pm| pm.value));
+    let is_glass = part >= 0.5;
+    if part > 0.0 && part < 1.0 {
+        let taken = if is_glass { "1, glass" } else { "0, opaque" };
+        warn(Some(line), &format!("transmission of {part} is taken for {taken}"));
+    }
+    if !is_glass {
+        return None;
+    }
+    let ignored = RawLayers { transmission: None, ..raw.layers };
+    if ignored != RawLayers::default() {
+        warn(Some(line), "clearcoat, sheen and specular of what transmits are ignored");
+    }
+    // a body is passed by two faces
+    let is_thin = raw.thin.is_some_and(|thin| thin.value);
+    let crossed = |kd: Bands| if is_thin { kd } else { kd.map(|x| x.max(0.0).sqrt()) };
+    let roughness = Some(At { value: roughness, line });
+    let is_plain = raw.pr.is_none() && raw.alpha.is_none() && raw.map_pr.is_none();
+    let mut glass = RawMaterial {
+        kind: Some(Kind::Glass),
+        tf: raw.kd.map(|kd| At { value: crossed(kd.value), ..kd }),
+        pr: if is_plain { roughness } else { raw.pr },
+        layers: RawLayers::default(),
+        ..raw.clone()
+    };
+    (glass.kd, glass.pm, glass.spectra.kd) = (None, None, None);
+    Some(glass)
+}
