@@ -237,7 +237,7 @@ fn load(
     if let Some(size) = a.size {
         scene.resize(size);
     }
-    check_memory(scene.size, false)?;
+    check_memory(scene.size, false, 0)?;
     let reference = reference.map(exr::read_image).transpose()?;
     if let Some(r) = &reference
         && [r.width, r.height] != scene.size

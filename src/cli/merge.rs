@@ -100,7 +100,7 @@ pub(super) fn run(a: &MergeArguments) -> Result<u8> {
             Circumstances { device, setup_seconds, setup: Vec::new(), kernels: Vec::new(), warnings };
         Report::new(&rendered, &packed, &plan, around)
     };
-    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, kept, report);
+    let (wrote, saved) = render::save(&arguments, &a.output, &rendered, &[], kept, report);
     tell_written(a, &wrote);
     saved.map(|()| DONE)
 }

@@ -1,5 +1,6 @@
 //! The command line: arguments, one file for each command.
 
+mod bands;
 #[cfg(feature = "bench")]
 mod bench;
 mod check;

@@ -13,8 +13,10 @@ use joton::plan::model::{GpuModel, Prediction};
 use joton::plan::process_memory::{Place, ProcessMemory};
 use joton::plan::{Plan, Settings};
 use joton::scene::{Scene, WavelengthReason};
+use joton::spectrum::list::List;
 use serde_json::json;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Arguments of `joton plan`.
 #[derive(Debug, Args)]
@@ -39,6 +41,9 @@ pub(super) struct PlanArguments {
     /// Render by wavelength, as for `joton render`.
     #[arg(long, default_value = "auto")]
     spectral: Spectral,
+    /// Bands beside red, green and blue, as for `joton render`.
+    #[arg(long, value_name = "NM,…|N", value_parser = List::from_str)]
+    bands: Option<List>,
     /// What a pass would take on a GPU, by a model: rtx-4070, h200, or bytes and rays a second, like 0.5T,1.5G.
     #[arg(long, value_name = "GPU")]
     model: Option<String>,
@@ -51,13 +56,14 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let model = a.model.as_deref().map(GpuModel::parse).transpose()?;
     memory::bound(a.memory);
     let mut scene = joton::scene::load(&a.scene)?;
-    a.spectral.set(&mut scene);
+    a.spectral.with_bands(a.bands.as_ref()).set(&mut scene);
     if let Some(size) = a.size {
         scene.resize(size);
     }
     let keep = super::render::kept(&a.no_skip)?;
+    let (resolve, list) = (a.resolve == Switch::On, measured(a));
     let mut settings =
-        Settings { keep, memory: a.memory, resolve: a.resolve == Switch::On, ..Settings::default() };
+        Settings { keep, memory: a.memory, resolve, measured: list.len(), ..Settings::default() };
     if let Some(paths) = &a.paths {
         settings.paths = joton::film::paths::LightPaths::parse(paths)?;
     }
@@ -85,6 +91,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
             "out_of_reach": packed.out_of_reach,
             "layers": layers,
             "bands": bands(&scene),
+            "measured": list,
             "indirect": plan.indirect.name(),
             "caustic_jotons": plan.caustic_jotons,
             "diffuse_jotons": plan.diffuse_jotons,
@@ -118,6 +125,12 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     }
     say(format_args!("layers: {}", layers.join(", ")));
     say(format_args!("bands: {}", bands(&scene)));
+    if let Some(list) = &a.bands {
+        let (count, renders) = (list.lambdas().len(), list.threes().len());
+        let [first, last] =
+            [list.lambdas().first(), list.lambdas().last()].map(|l| l.copied().unwrap_or(0.0));
+        say(format_args!("measured: {count} bands from {first} to {last} nm, in {renders} renders more"));
+    }
     for (what, jotons, schedule) in [
         ("caustic map", plan.caustic_jotons, &plan.caustic),
         ("diffuse map", plan.diffuse_jotons, &plan.diffuse),
@@ -243,6 +256,11 @@ fn table<const N: usize>(heads: [&str; N], lines: impl Iterator<Item = [String; 
             .collect();
         say(format_args!("  {}", cells.join("  ").trim_end()));
     }
+}
+
+/// Wavelengths of the bands beside red, green and blue, nm.
+fn measured(a: &PlanArguments) -> &[f64] {
+    a.bands.as_ref().map_or(&[], List::lambdas)
 }
 
 /// What the bands are, in words.

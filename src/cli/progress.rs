@@ -36,6 +36,8 @@ pub(super) struct Narrator {
     /// The step of the set-up that goes on, and what waits for it to take long.
     step: Arc<(Mutex<Option<Step>>, Condvar)>,
     told: Instant,
+    /// Which of how many renders goes on, and the seconds of those before.
+    render: (usize, usize, f64),
 }
 
 /// A step of the set-up.
@@ -65,7 +67,7 @@ impl Narrator {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(100));
-        Self { kind, is_quiet, bar, step, told: Instant::now() }
+        Self { kind, is_quiet, bar, step, told: Instant::now(), render: (0, 1, 0.0) }
     }
 
     /// A step of the set-up begins.
@@ -90,25 +92,32 @@ impl Narrator {
         }
     }
 
+    /// What follows is render `number`, from 0 on, of so many, and those before took so many seconds.
+    pub(super) fn part(&mut self, number: usize, count: usize, seconds_before: f64) {
+        self.render = (number, count, seconds_before);
+    }
+
     /// A batch is done.
     pub(super) fn show(&mut self, p: &Progress<'_>) {
-        let seconds_left = (p.done > TOLD).then(|| p.seconds / p.done * (1.0 - p.done));
+        let (number, count, seconds_before) = self.render;
+        let (done, seconds) = ((number as f64 + p.done) / count as f64, seconds_before + p.seconds);
+        let seconds_left = (done > TOLD).then(|| seconds / done * (1.0 - done));
         match self.kind {
             Kind::Bar => {
-                self.bar.set_position((p.done * 1000.0) as u64);
-                self.bar.set_message(line(p, seconds_left));
+                self.bar.set_position((done * 1000.0) as u64);
+                self.bar.set_message(line(p, seconds, seconds_left));
             }
             Kind::Plain if self.told.elapsed() >= PLAIN => {
-                tell(format_args!("joton: {}", line(p, seconds_left)));
+                tell(format_args!("joton: {}", line(p, seconds, seconds_left)));
                 self.told = Instant::now();
             }
             Kind::Json if self.told.elapsed() >= JSON => {
                 tell(serde_json::json!({
                     "event": "progress",
                     "passes": p.passes,
-                    "seconds": p.seconds,
+                    "seconds": seconds,
                     "error_estimate": p.error.map(|e| e.total),
-                    "done": p.done,
+                    "done": done,
                     "seconds_left": seconds_left,
                 }));
                 self.told = Instant::now();
@@ -193,10 +202,10 @@ fn tell_long_steps((current, changed): &(Mutex<Option<Step>>, Condvar)) {
 }
 
 /// What a bar says of a render: at most 45 characters.
-fn line(p: &Progress<'_>, seconds_left: Option<f64>) -> String {
+fn line(p: &Progress<'_>, seconds: f64, seconds_left: Option<f64>) -> String {
     let error = p.error.map_or(String::new(), |e| format!(", error {:.2} %", e.total * 100.0));
     let left = seconds_left.map_or(String::new(), |s| format!(", {} left", duration(s)));
-    format!("{}, {}{error}{left}", passes(p.passes), duration(p.seconds))
+    format!("{}, {}{error}{left}", passes(p.passes), duration(seconds))
 }
 
 /// So many passes.

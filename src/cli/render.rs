@@ -1,21 +1,24 @@
 //! `joton render SCENE`.
 
+use super::bands::{self, Measured, Renders};
 use super::checkpoint::{Keeper, Saved};
 use super::device::Devices;
 use super::progress::{Kind as ProgressKind, Narrator, passes};
 use super::{DONE, INTERRUPTED, interrupt, json, memory, pack, say};
 use clap::Args;
 use joton::backend::{Backend, PASSES_MAX};
-use joton::film;
 use joton::film::paths::LightPaths;
+use joton::film::{self, Monochrome};
 use joton::output::report::{Circumstances, KernelTime, Report};
 use joton::output::{self, display, exr, png};
 use joton::plan::{Part, Plan, SHADOW_RAYS, Settings};
 use joton::render::{Failure, PassRange, Progress, Reason, RenderState, Rendered, Stop};
 use joton::scene::{Mesh, Scene};
+use joton::spectrum::list::List;
 use joton::{Error, Result};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -69,6 +72,11 @@ pub(super) struct RenderArguments {
     #[arg(long, default_value = "auto")]
     #[serde(default)]
     pub(super) spectral: Spectral,
+    /// Beside red, green and blue the radiance per nm at these wavelengths, nm, or at so many from 400 to 700 nm, as channels
+    /// S0.550,000000nm of .exr files.
+    #[arg(long, value_name = "NM,…|N", value_parser = List::from_str)]
+    #[serde(default)]
+    pub(super) bands: Option<List>,
     /// Memory of the whole process, device included, at most, e.g. 512M or 2G [default: what there is].
     #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
     memory: Option<u64>,
@@ -125,6 +133,11 @@ impl Spectral {
             Self::Off => scene.wavelengths.are_rendered = false,
         }
     }
+
+    /// Bands are wavelengths.
+    pub(super) fn with_bands(self, bands: Option<&List>) -> Self {
+        if bands.is_some() { Self::On } else { self }
+    }
 }
 
 impl RenderArguments {
@@ -138,7 +151,13 @@ impl RenderArguments {
             memory: self.memory,
             keep: kept(&self.no_skip)?,
             is_part: self.pass_range.is_some(),
+            measured: self.measured(),
         })
+    }
+
+    /// How many bands there are beside red, green and blue.
+    fn measured(&self) -> usize {
+        self.bands.as_ref().map_or(0, |list| list.lambdas().len())
     }
 
     /// The first option that makes another picture of the same scene than another render's, but for which passes are rendered.
@@ -153,6 +172,7 @@ impl RenderArguments {
             ("--resolve", self.resolve == other.resolve),
             ("--memory", self.memory == other.memory),
             ("--spectral", self.spectral == other.spectral),
+            ("--bands", self.bands == other.bands),
         ];
         same.into_iter().find(|(_, is_same)| !is_same).map(|(name, _)| name)
     }
@@ -182,6 +202,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     for path in &outputs {
         kind_of(path)?;
     }
+    bands::check(a, &outputs)?;
     let written = || outputs.iter().chain(report_file).chain(&a.checkpoint);
     check_outputs(&a.scene, written())?;
     let settings = a.settings()?;
@@ -190,16 +211,19 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     narrator.step("reading the scene");
     memory::bound(a.memory);
     let mut scene = joton::scene::load(&a.scene)?;
-    a.spectral.set(&mut scene);
+    a.spectral.with_bands(a.bands.as_ref()).set(&mut scene);
     setup.lap("reading");
     output::check_not_read(written(), &scene.files)?;
     if let Some(size) = a.size {
         scene.resize(size);
     }
-    film::check_memory(scene.size, a.pass_range.is_some())?;
+    film::check_memory(scene.size, a.pass_range.is_some(), a.measured())?;
     narrator.step("building the hierarchy");
     let packed = Arc::new(pack(&scene, &settings)?);
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
+    if a.bands.is_some() {
+        scene.warnings.extend(bands::warning(&scene));
+    }
     // it is packed
     scene.mesh = Mesh::default();
     for warning in &scene.warnings {
@@ -221,6 +245,10 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
 
     let interrupted = interrupt::watch();
     narrator.begin();
+    let renders = a.bands.as_ref().map_or(1, |list| 1 + list.threes().len());
+    narrator.part(0, renders, 0.0);
+    let all = Renders { arguments: a, packed: &packed, wanted: &wanted, stop, interrupted: &interrupted };
+    let stop = if renders > 1 { bands::share(stop, 0.0, renders) } else { stop };
     let setup_seconds = begin.elapsed().as_secs_f64();
     let mut state = match saved {
         Some(Saved { header, state }) => {
@@ -261,8 +289,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
         Some(backend)
     };
     let ended = state.go_on_while_devices_last(backend, stop, watch, next);
-    let (narrator, mut keeper) = (narrator.into_inner(), keeper.into_inner());
-    narrator.end();
+    let (mut narrator, mut keeper) = (narrator.into_inner(), keeper.into_inner());
     let (reason, kernels, failed) = match ended {
         Ok((reason, backend)) => (reason, kernel_times(backend.as_ref()), None),
         Err(e) if state.passes() == 0 => return Err(e),
@@ -271,6 +298,13 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     // where it cannot be written, the picture still is
     let kept = keeper.as_mut().map(|keeper| keeper.keep(&state));
     let rendered = state.finish(reason);
+    let measured = match &a.bands {
+        Some(list) if failed.is_none() && reason != Reason::Interrupted => {
+            all.render(list, rendered.seconds, &mut narrator)
+        }
+        _ => Measured::default(),
+    };
+    narrator.end();
 
     let reason = match rendered.reason {
         Reason::Passes => "all passes are done",
@@ -280,7 +314,10 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
         Reason::Failed => "the device failed",
     };
     let error = estimated(&rendered);
-    let words = format!("{} in {:.2} s{error}: {reason}", passes(rendered.passes), rendered.seconds);
+    let mut words = format!("{} in {:.2} s{error}: {reason}", passes(rendered.passes), rendered.seconds);
+    if a.bands.is_some() {
+        words += &format!("; {}", measured.told());
+    }
     let ended = serde_json::json!({
         "reason": rendered.reason,
         "passes": rendered.passes,
@@ -292,10 +329,10 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     let report = || {
         let (setup, warnings) = (setup.seconds, scene.warnings.clone());
         let around = Circumstances { device, setup_seconds, setup, kernels, warnings };
-        Report::new(&rendered, &packed, &plan, around)
+        Report { bands: measured.renders.clone(), ..Report::new(&rendered, &packed, &plan, around) }
     };
     let kept = keeper.as_ref().map(Keeper::path).zip(kept);
-    let (wrote, saved) = save(a, &outputs, &rendered, kept, report);
+    let (wrote, saved) = save(a, &outputs, &rendered, &measured.bands, kept, report);
     if !wrote.is_empty() {
         narrator.wrote(&wrote);
     }
@@ -303,10 +340,10 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
         narrator.message(&format!("go on by: joton resume {}", keeper.path().display()));
     }
     saved?;
-    if let Some(e) = failed {
+    if let Some(e) = failed.or(measured.failed) {
         return Err(e);
     }
-    Ok(if rendered.reason == Reason::Interrupted { INTERRUPTED } else { DONE })
+    Ok(if rendered.reason == Reason::Interrupted || measured.is_interrupted { INTERRUPTED } else { DONE })
 }
 
 /// The error estimate of a picture, as a part of a sentence; nothing where there is none.
@@ -320,13 +357,14 @@ pub(super) fn save(
     a: &RenderArguments,
     outputs: &[PathBuf],
     rendered: &Rendered,
+    measured: &[Monochrome],
     kept: Option<(&Path, Result<()>)>,
     report: impl FnOnce() -> Report,
 ) -> (Vec<String>, Result<()>) {
     let comment = format!("{}, seed {}, {} passes", a.scene.display(), a.seed, rendered.passes);
     let look = display::Display { exposure: a.exposure, transform: a.transform };
     let picture = |path: &PathBuf| match kind_of(path)? {
-        Kind::Exr => exr::write_picture(path, &rendered.picture, &comment),
+        Kind::Exr => exr::write_measured(path, &rendered.picture, measured, &comment),
         Kind::Png => png::write_image(path, &rendered.picture.whole, &look),
     };
     let mut written: Vec<(&Path, Result<()>)> = kept.into_iter().collect();

@@ -1,6 +1,7 @@
 //! `joton slurm SCENE`: scripts that render a scene on a cluster: an array of tasks, a part of the passes each, and a job that merges
 //! the parts.
 
+use super::bands;
 use super::checkpoint::absolute;
 use super::device::check_reference;
 use super::render::{self, RenderArguments};
@@ -99,6 +100,7 @@ fn checked(a: &SlurmArguments) -> Result<(Vec<PathBuf>, Option<u16>)> {
         Subcommand::Render(told) if told.output.is_empty() => {
             told.settings()?;
             render::checked_stop(&told)?;
+            bands::check(&told, &a.output)?;
             check_reference(&told.device, told.reference)?;
             if told.report.is_some() {
                 let what = "--report: all tasks would write one file";

@@ -1,5 +1,6 @@
 //! Film: the layers of an image, summed in f64 over passes.
 
+mod monochrome;
 pub(crate) mod neighbours;
 pub mod paths;
 pub mod stats;
@@ -9,6 +10,7 @@ pub mod tile_schedule;
 use crate::error::{Error, Result};
 use crate::film::tile_schedule::{Run, TILE, TileSchedule};
 use crate::spectrum::{BANDS, Bands};
+pub use monochrome::Monochrome;
 use rayon::prelude::*;
 use std::ops::Range;
 use sums::Sums;
@@ -41,6 +43,10 @@ const ENDED_ROWS: u64 = 40;
 const SURFACES: [f64; 2] = [1.6, 1.05];
 /// Bytes more of each sum that is exact.
 const EXACT_BYTES: u64 = 24;
+/// Bytes of a pixel of a band for who measures.
+const MEASURED_BYTES: u64 = size_of::<f32>() as u64;
+/// Bytes of a pixel that one render after the other leaves with the allocator, as measured.
+const LEFT_BYTES: u64 = 72;
 /// Pixels that tell the error of an image, at most: of larger images every second, third … across and down.
 pub const SAMPLES_MAX: u64 = 1 << 19;
 /// Most pixels of an image: they are numbered in 28 bits.
@@ -61,6 +67,8 @@ pub struct FilmNeeds {
     pub has_maps: bool,
     /// It is a part of a render: its sums are exact.
     pub is_part: bool,
+    /// Bands for who measures, beside red, green and blue.
+    pub measured: usize,
 }
 
 impl FilmNeeds {
@@ -76,7 +84,11 @@ impl FilmNeeds {
         let swept = if resolved > 0 { self.swept([width, height]) } else { 0 };
         // the picture has a layer more
         let batch = pixels * BATCH_BYTES * (layers + 1);
-        pixels.saturating_mul(each) + samples + swept.max(batch)
+        // red, green and blue are finished before the others begin, and are held
+        let pictures = (1 + LAYERS as u64 + resolved) * size_of::<Bands>() as u64;
+        let bands = pictures + LEFT_BYTES + MEASURED_BYTES * self.measured as u64;
+        let finished = if self.measured > 0 { bands } else { 0 };
+        pixels.saturating_mul(each + finished) + samples + swept.max(batch)
     }
 
     /// Bytes of the rows that are held while light is shared.
@@ -99,14 +111,27 @@ fn sample_count(size: [u32; 2]) -> u64 {
 ///
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
-pub fn check_memory(size: [u32; 2], is_part: bool) -> Result<()> {
-    let need =
-        FilmNeeds { size, layers: LAYERS, resolved: 0, has_trees: false, has_maps: true, is_part }.bytes();
+pub fn check_memory(size: [u32; 2], is_part: bool, measured: usize) -> Result<()> {
+    let bytes = |measured| {
+        let needs = FilmNeeds {
+            size,
+            layers: LAYERS,
+            resolved: 0,
+            has_trees: false,
+            has_maps: true,
+            is_part,
+            measured,
+        };
+        needs.bytes()
+    };
     let most =
         PIXELS_MAX * (REST_BYTES + TREE_BYTES + (LAYER_BYTES + BATCH_BYTES + EXACT_BYTES) * LAYERS as u64);
-    let limit = crate::host::memory::available().unwrap_or(u64::MAX).min(most);
+    let available = crate::host::memory::available().unwrap_or(u64::MAX);
+    let without = (bytes(0), available.min(most));
+    let (need, limit) = if without.0 > without.1 { without } else { (bytes(measured), available) };
     if need > limit {
-        let remedy = "render a smaller image (--size)".to_string();
+        let fewer = if measured > 0 { " or fewer bands (--bands)" } else { "" };
+        let remedy = format!("render a smaller image (--size){fewer}");
         return Err(Error::Capacity { buffer: "the film", need, limit, remedy });
     }
     Ok(())

@@ -3,11 +3,12 @@
 //! One part holds everything. The whole image is R G B without a prefix, so that any reader finds it; the layers
 //! are `emission.R` … by the naming convention of the OpenEXR documentation ("Layers and channel names"), which
 //! viewers and compositors show as layers. Multi-part files say the same, but older readers see the first part only.
+//! Bands for who measures are `S0.550,000000nm` …, W/(m² sr nm): Fichet et al. 2021, An OpenEXR Layout for Spectral Images.
 
 use super::atomic::write_atomically;
 use crate::backend::guarded;
 use crate::error::{Error, Result};
-use crate::film::{Image, Layer, Picture};
+use crate::film::{Image, Layer, Monochrome, Picture};
 use crate::host::{files, memory};
 use crate::spectrum::{from_rgb, to_rgb};
 use exr::block::lines::LineRefMut;
@@ -33,6 +34,11 @@ const EXPANSION_SLACK: u64 = 1 << 20;
 
 /// Write a picture, whole and by layer. `comment` says how it was made; it is free text.
 pub fn write_picture(path: &Path, picture: &Picture, comment: &str) -> Result<()> {
+    write_measured(path, picture, &[], comment)
+}
+
+/// Likewise, with what was measured at wavelengths  \[E53\]: images of its size.
+pub fn write_measured(path: &Path, picture: &Picture, measured: &[Monochrome], comment: &str) -> Result<()> {
     let mut channels = channels_of("", &picture.whole);
     for (layer, image) in Layer::ALL.iter().zip(&picture.layers) {
         assert_eq!((image.width, image.height), (picture.whole.width, picture.whole.height), "layers fit");
@@ -41,25 +47,50 @@ pub fn write_picture(path: &Path, picture: &Picture, comment: &str) -> Result<()
     for (layer, image) in &picture.unresolved {
         channels.extend(channels_of(&format!("{}{UNRESOLVED}", layer.name()), image));
     }
-    write(path, &picture.whole, channels, comment)
+    let width = picture.whole.width as usize;
+    for Monochrome { lambda, pixels } in measured {
+        assert_eq!(pixels.len(), picture.whole.pixels.len(), "bands fit");
+        channels.push(channel(&wavelength_name(*lambda), Samples { values: Values::Alone(pixels), width }));
+    }
+    let attributes = if measured.is_empty() { [None, None] } else { SPECTRAL.map(Some) };
+    write(path, &picture.whole, channels, attributes, comment)
 }
+
+/// Channel of unpolarised light at a wavelength, nm: Stokes parameter 0, a comma before six digits.
+fn wavelength_name(lambda: f64) -> String {
+    format!("S0.{}nm", format!("{lambda:.6}").replace('.', ","))
+}
+
+/// What a file of such channels says of itself.
+const SPECTRAL: [(&str, &str); 2] =
+    [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1.nm^-1")];
 
 /// What a layer as the passes found it has after its name.
 const UNRESOLVED: &str = "_unresolved.";
 
 /// Write one image without layers.
 pub fn write_image(path: &Path, image: &Image, comment: &str) -> Result<()> {
-    write(path, image, channels_of("", image), comment)
+    write(path, image, channels_of("", image), [None, None], comment)
 }
 
-/// A band of an image, written from where it is.
-struct Band<'a> {
-    image: &'a Image,
-    band: usize,
+/// Values of a channel, written from where they are.
+#[derive(Clone, Copy)]
+struct Samples<'a> {
+    values: Values<'a>,
+    width: usize,
 }
 
-impl<'a> WritableSamples<'a> for Band<'_> {
-    type Writer = BandWriter<'a>;
+/// Where they are.
+#[derive(Clone, Copy)]
+enum Values<'a> {
+    /// In an image, which of red, green and blue they are.
+    Of(&'a Image, usize),
+    /// By themselves.
+    Alone(&'a [f32]),
+}
+
+impl<'a> WritableSamples<'a> for Samples<'_> {
+    type Writer = Samples<'a>;
 
     fn sample_type(&self) -> e::SampleType {
         e::SampleType::F32
@@ -70,45 +101,57 @@ impl<'a> WritableSamples<'a> for Band<'_> {
     }
 
     fn create_samples_writer(&'a self, _: &Header) -> Self::Writer {
-        BandWriter { image: self.image, band: self.band }
+        *self
     }
 }
 
-/// Writes the lines of a band.
-struct BandWriter<'a> {
-    image: &'a Image,
-    band: usize,
-}
-
-impl SamplesWriter for BandWriter<'_> {
+impl SamplesWriter for Samples<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let at = line.location.position;
-        let first = at.y() * self.image.width as usize + at.x();
-        let written = line.write_samples(|x| to_rgb(&self.image.pixels[first + x])[self.band]);
+        let first = at.y() * self.width + at.x();
+        let written = match self.values {
+            Values::Of(image, band) => line.write_samples(|x| to_rgb(&image.pixels[first + x])[band]),
+            Values::Alone(values) => line.write_samples(|x| values[first + x]),
+        };
         written.expect("a line is as long as its bytes");
     }
 }
 
-fn channels_of<'a>(prefix: &str, image: &'a Image) -> Vec<e::AnyChannel<Band<'a>>> {
-    let channel = |(band, name): (usize, &&str)| e::AnyChannel {
-        name: format!("{prefix}{name}").as_str().into(),
-        sample_data: Band { image, band },
-        // A hint for lossy codecs; the default is guessed from the name and would differ between layers.
-        quantize_linearly: false,
-        sampling: e::Vec2(1, 1),
-    };
+fn channels_of<'a>(prefix: &str, image: &'a Image) -> Vec<e::AnyChannel<Samples<'a>>> {
+    let samples = |band| Samples { values: Values::Of(image, band), width: image.width as usize };
+    let channel = |(band, name): (usize, &&str)| channel(&format!("{prefix}{name}"), samples(band));
     CHANNELS.iter().enumerate().map(channel).collect()
 }
 
-fn write(path: &Path, size: &Image, channels: Vec<e::AnyChannel<Band<'_>>>, comment: &str) -> Result<()> {
+fn channel<'a>(name: &str, sample_data: Samples<'a>) -> e::AnyChannel<Samples<'a>> {
+    e::AnyChannel {
+        name: name.into(),
+        sample_data,
+        // A hint for lossy codecs; the default is guessed from the name and would differ between layers.
+        quantize_linearly: false,
+        sampling: e::Vec2(1, 1),
+    }
+}
+
+fn write(
+    path: &Path,
+    size: &Image,
+    channels: Vec<e::AnyChannel<Samples<'_>>>,
+    [of_file, of_layer]: [Option<(&str, &str)>; 2],
+    comment: &str,
+) -> Result<()> {
     if size.pixels.is_empty() {
         return Err(Error::io(path, "write", "the image has no pixels"));
     }
     // Text in EXR is bytes of no stated encoding; ASCII is what every reader shows alike.
     let text = |s: &str| e::Text::new_or_none(s.replace(|c: char| !c.is_ascii() || c == '\0', "?"));
+    let attribute =
+        |(name, value): (&str, &str)| (e::Text::from(name), e::AttributeValue::Text(value.into()));
     let attributes = e::LayerAttributes {
         software_name: text(concat!("joton ", env!("CARGO_PKG_VERSION"))),
         comments: if comment.is_empty() { None } else { text(comment) },
+        // maps of one entry have one order
+        other: of_layer.into_iter().map(attribute).collect(),
         ..Default::default()
     };
     let encoding = e::Encoding {
@@ -123,7 +166,8 @@ fn write(path: &Path, size: &Image, channels: Vec<e::AnyChannel<Band<'_>>>, comm
         encoding,
         e::AnyChannels::sort(channels.into()),
     );
-    let file = e::Image::from_layer(layer);
+    let mut file = e::Image::from_layer(layer);
+    file.attributes.other.extend(of_file.map(attribute));
     write_atomically(path, |sink| file.write().non_parallel().to_buffered(sink).map_err(|x| x.to_string()))
 }
 

@@ -61,6 +61,35 @@ pub struct Report {
     pub setup: Vec<(&'static str, f64)>,
     /// What was repaired or ignored in the scene.
     pub warnings: Vec<String>,
+    /// Renders of bands for who measures, beside that of red, green and blue, which the rest tells.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<BandsRender>,
+}
+
+/// A render of bands for who measures  \[E53\].
+#[derive(Debug, Clone, Serialize)]
+pub struct BandsRender {
+    /// Wavelengths, nm.
+    pub wavelengths: Vec<f64>,
+    /// The device and its driver.
+    pub device: String,
+    /// Passes rendered.
+    pub passes: u64,
+    /// Seconds of rendering, set-up left out.
+    pub seconds: f64,
+    /// Seconds before the first pass.
+    pub setup_seconds: f64,
+    /// Why it stopped.
+    pub stopped_by: Reason,
+    /// Devices that failed before.
+    pub device_failures: Vec<Failure>,
+    /// Rays of all kinds.
+    pub rays: u64,
+    /// Estimated relative error of these bands.
+    pub error_estimate: Option<f64>,
+    /// Contributions that were not finite and were left out, by cause.
+    #[serde(serialize_with = "NonFinite::by_cause")]
+    pub non_finite: NonFinite,
 }
 
 /// Pairs as an object.
@@ -180,6 +209,7 @@ impl Report {
             host: rendered.host,
             setup: around.setup,
             warnings: around.warnings,
+            bands: Vec::new(),
         }
     }
 }

@@ -9,6 +9,7 @@ use super::media::ABSORPTION_MOST;
 use super::surfaces::PackedMaterial;
 use crate::film::{half, place_in_half};
 use crate::scene::{FacetKind, Facets, Layers, Light, Material, MaterialSpectra, Scene};
+use crate::spectrum::cie::Matrix;
 use crate::spectrum::glass::Index;
 use crate::spectrum::lamp::Emission;
 use crate::spectrum::metal::Metal;
@@ -16,16 +17,19 @@ use crate::spectrum::pick::{Pick, rgb_matrix};
 use crate::spectrum::texel::bases_at;
 use crate::spectrum::wavelengths::Distribution;
 use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black, max, sum, to_rgb};
+use std::sync::Arc;
 
 /// A scene by wavelength.
 #[derive(Debug, Clone)]
 pub struct Spectra {
-    distribution: Distribution,
-    materials: Vec<Curves>,
+    distribution: Arc<Distribution>,
+    /// Wavelengths of all passes, nm, where they are not drawn.
+    listed: Option<[f64; BANDS]>,
+    materials: Arc<Vec<Curves>>,
     /// Of each material, then of each light; none where it emits nothing.
-    emissions: Vec<Option<Emission>>,
+    emissions: Arc<Vec<Option<Emission>>>,
     /// Of each emitter.
-    sources: Vec<Source>,
+    sources: Arc<Vec<Source>>,
 }
 
 /// What a material is by wavelength. Where a lobe is black in red, green and blue, it is black.
@@ -52,7 +56,7 @@ struct Curves {
 pub struct PassBands {
     /// The wavelength of each.
     pub picks: [Pick; BANDS],
-    /// Linear red, green and blue of the bands: rows.
+    /// Linear red, green and blue of the bands: rows. Where wavelengths are listed the film has the bands themselves.
     pub to_rgb: [Bands; 3],
     /// What a texel of red, green or blue alone reflects in the bands \[E37\].
     pub of_texel: [Bands; 3],
@@ -174,7 +178,19 @@ impl Spectra {
         let distribution = Distribution::new(lit.filter(|(share, _)| *share > 0.0));
         let of_packed = |(m, packed)| Curves::new(m, packed, world_scale);
         let curves: Vec<Curves> = scene.materials.iter().zip(materials).map(of_packed).collect();
-        Self { distribution, materials: curves, emissions, sources }
+        Self {
+            distribution: Arc::new(distribution),
+            listed: None,
+            materials: Arc::new(curves),
+            emissions: Arc::new(emissions),
+            sources: Arc::new(sources),
+        }
+    }
+
+    /// The same at these wavelengths, nm, in every pass: the film has the radiance at each, W/(m² sr nm), in place of red, green and blue.
+    /// Lines have none: they are nowhere \[E53\].
+    fn listed(&self, lambdas: [f64; BANDS]) -> Self {
+        Self { listed: Some(lambdas), ..self.clone() }
     }
 
     /// True where some index depends on the wavelength.
@@ -184,8 +200,14 @@ impl Spectra {
 
     /// What the bands of a pass are; no pass of a seed has those of another.
     pub fn bands(&self, seed: u32, pass: u64) -> PassBands {
-        let picks = self.distribution.of_pass(seed.into(), half(pass), place_in_half(pass));
-        let to_rgb = rgb_matrix(&picks).map(|row| row.map(|x| x as f32));
+        let (picks, to_rgb) = match self.listed {
+            Some(lambdas) => (lambdas.map(Pick::listed), IDENTITY),
+            None => {
+                let picks = self.distribution.of_pass(seed.into(), half(pass), place_in_half(pass));
+                (picks, rgb_matrix(&picks))
+            }
+        };
+        let to_rgb = to_rgb.map(|row| row.map(|x| x as f32));
         PassBands { picks, to_rgb, of_texel: bases_at(picks.map(|pick| pick.lambda)) }
     }
 
@@ -216,7 +238,7 @@ impl Spectra {
             let strength = emitted[source.emission as usize].map(|x| x * source.scale);
             PackedEmitter { strength, flux: strength.map(|s| (f64::from(s) * flux) as f32), ..*e }
         };
-        base.iter().zip(&self.sources).map(at).collect()
+        base.iter().zip(self.sources.iter()).map(at).collect()
     }
 
     /// The scene in the bands of a pass.
@@ -229,6 +251,18 @@ impl Spectra {
         }
     }
 }
+
+impl PackedScene {
+    /// The same scene at three wavelengths, nm, where it is rendered by wavelength: films then have the radiance at these, W/(m² sr nm), in
+    /// place of red, green and blue, of all that shines continuously \[E53\].
+    pub fn at_wavelengths(&self, lambdas: [f64; BANDS]) -> Self {
+        let spectra = self.spectra.as_deref().map(|spectra| Arc::new(spectra.listed(lambdas)));
+        Self { spectra, ..self.clone() }
+    }
+}
+
+/// Bands as they are.
+const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Absorption of this in red, green and blue: what is left of white where the most is absorbed that is, e^-1, is a smooth spectrum of its
 /// colour \[E44\].

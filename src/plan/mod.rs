@@ -49,6 +49,8 @@ pub struct Settings {
     pub keep: Vec<Part>,
     /// Only some of the passes are rendered, to be merged with others: the host keeps their sums exact.
     pub is_part: bool,
+    /// Bands for who measures, beside red, green and blue \[E53\]: they take memory.
+    pub measured: usize,
 }
 
 impl Settings {
@@ -64,7 +66,8 @@ pub const SHADOW_RAYS: u32 = 2;
 impl Default for Settings {
     fn default() -> Self {
         let (paths, shadow_rays) = (LightPaths::everything(), SHADOW_RAYS);
-        Self { seed: 0, paths, shadow_rays, resolve: true, memory: None, keep: Vec::new(), is_part: false }
+        let (memory, keep) = (None, Vec::new());
+        Self { seed: 0, paths, shadow_rays, resolve: true, memory, keep, is_part: false, measured: 0 }
     }
 }
 

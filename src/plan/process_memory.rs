@@ -70,6 +70,7 @@ impl Plan {
             has_trees: self.has_specular_bodies(),
             has_maps: MapKind::ALL.into_iter().any(|kind| self.has_map(kind)),
             is_part: self.settings.is_part,
+            measured: self.settings.measured,
         }
     }
 
@@ -96,8 +97,10 @@ impl Plan {
     /// The render needs so many bytes, of a limit.
     pub(crate) fn too_large(&self, need: u64, limit: u64) -> Error {
         let without = if self.resolves { ", share no light among pixels (--resolve off)" } else { "" };
-        let remedy =
-            format!("allow more (--memory), render a smaller image (--size){without} or fewer triangles");
+        let bands = if self.settings.measured > 0 { ", fewer bands (--bands)" } else { "" };
+        let remedy = format!(
+            "allow more (--memory), render a smaller image (--size){without}{bands} or fewer triangles"
+        );
         Error::Capacity { buffer: "the render", need, limit, remedy }
     }
 }

@@ -52,18 +52,28 @@ pub enum WavelengthReason {
 }
 
 impl Scene {
+    /// Whether something shines in lines.
+    pub fn shines_in_lines(&self) -> bool {
+        self.stated_emissions().any(|e| !e.lines.is_empty())
+    }
+
+    /// What shines by a stated spectrum.
+    fn stated_emissions(&self) -> impl Iterator<Item = &Emission> {
+        let of_materials = self.materials.iter().filter_map(|m| m.spectra.as_deref()?.emission.as_ref());
+        of_materials.chain(self.wavelengths.lights.iter().flatten())
+    }
+
     /// What of the scene asks for wavelengths; none where red, green and blue say all that it does.
     pub fn asks_for_wavelengths(&self) -> Option<WavelengthReason> {
         let stated = || self.materials.iter().filter_map(|m: &Material| m.spectra.as_deref());
-        let emissions =
-            || stated().filter_map(|s| s.emission.as_ref()).chain(self.wavelengths.lights.iter().flatten());
         if stated().any(|s| s.index.as_ref().is_some_and(Index::is_dispersive)) {
             return Some(WavelengthReason::Dispersion);
         }
-        if emissions().any(|e| !e.lines.is_empty()) {
+        if self.shines_in_lines() {
             return Some(WavelengthReason::Lines);
         }
-        (stated().any(|s| !s.is_empty()) || emissions().next().is_some()).then_some(WavelengthReason::Spectra)
+        (stated().any(|s| !s.is_empty()) || self.stated_emissions().next().is_some())
+            .then_some(WavelengthReason::Spectra)
     }
 
     /// Spectrum of light `number` beside the emissive triangles, where it is stated.

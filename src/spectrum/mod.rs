@@ -4,7 +4,7 @@
 //! other files are the mathematics of wavelengths, in f64 and without any part of the renderer: the observer and colours
 //! ([`cie`]), spectra ([`curve`]) and those that are found for a colour ([`upsample`]), lamps with lines ([`lamp`]), indices
 //! of refraction ([`glass`], [`metal`]), texels ([`texel`]), which wavelengths a pass has ([`wavelengths`]), how they go together ([`courses`])
-//! and what is seen of them ([`pick`]).
+//! and what is seen of them ([`pick`]), and lists of them that someone measures at ([`list`]).
 //!
 //! Wavelengths are in nm, in air or vacuum as their sources have them: they differ by 0.03 %.
 
@@ -14,6 +14,7 @@ pub mod courses;
 pub mod curve;
 pub mod glass;
 pub mod lamp;
+pub mod list;
 pub mod metal;
 pub mod pick;
 pub mod table;

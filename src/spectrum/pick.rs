@@ -18,6 +18,13 @@ pub struct Pick {
     pub pdf: f64,
 }
 
+impl Pick {
+    /// A wavelength, nm, that was not drawn: what is seen there is measured by itself  \[E53\].
+    pub fn listed(lambda: f64) -> Self {
+        Self { lambda, atom: None, pdf: 1.0 }
+    }
+}
+
 /// XYZ from the bands of a pass with these wavelengths: a column per band  \[E34\].
 pub fn xyz_matrix(picks: &[Pick; PICKS]) -> Matrix {
     let columns = picks.map(|pick| line_xyz(pick.lambda).map(|c| c / (PICKS as f64 * pick.pdf)));

@@ -83,7 +83,19 @@ pub fn render(renderer: Renderer, scene: &Scene, paths: &str, passes: u64) -> Sh
 
 /// Likewise with some parts kept.
 pub fn render_keeping(renderer: Renderer, scene: &Scene, paths: &str, passes: u64, keep: &[Part]) -> Shot {
-    let packed = Arc::new(PackedScene::whole(scene));
+    render_packed(renderer, PackedScene::whole(scene), paths, passes, keep)
+}
+
+/// Likewise of what is packed.
+pub fn render_packed(
+    renderer: Renderer,
+    packed: PackedScene,
+    paths: &str,
+    passes: u64,
+    keep: &[Part],
+) -> Shot {
+    let size = packed.size;
+    let packed = Arc::new(packed);
     let paths = LightPaths::parse(paths).expect("a valid expression");
     let plan = Plan::new(&packed, Settings { paths, keep: keep.to_vec(), ..Settings::default() });
     let passes = match renderer {
@@ -110,7 +122,7 @@ pub fn render_keeping(renderer: Renderer, scene: &Scene, paths: &str, passes: u6
         assert_eq!((batch.tally.non_finite.total(), batch.tally.truncated), (0, 0), "{renderer:?}");
         batch.layers.map(|l| l.iter().map(|p| p.map(|x| f64::from(x) / each as f64)).collect())
     });
-    Shot { renderer, size: scene.size, groups: groups.collect() }
+    Shot { renderer, size, groups: groups.collect() }
 }
 
 /// The sum of `layers` of one pixel.

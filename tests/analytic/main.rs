@@ -6,6 +6,7 @@
 //! what fails is not noise.
 
 mod anisotropy;
+mod bands;
 mod build;
 mod caustics;
 mod cie;
@@ -26,6 +27,7 @@ mod layers;
 mod lobes;
 mod media;
 mod partition;
+mod rainbow;
 mod relief;
 mod scale;
 mod spectral;

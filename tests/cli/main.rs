@@ -3,6 +3,7 @@
 //! Runs the program in folders of its own. Tests that need a Vulkan, Metal or DX12 device fail where there is none,
 //! unless JOTON_TEST_NO_GPU=1.
 
+mod bands;
 mod checkpoint;
 mod combinations;
 mod compare;
