@@ -307,7 +307,7 @@ fn translucent_share(m: PackedMaterial) -> f32 {
         return 0.0;
     }
     let through = max_band(m.transmission);
-    return through / (through + max_band(m.diffuse) + max_band(m.glossy));
+    return through / max(through + max_band(m.diffuse) + max_band(m.glossy), 1e-30);
 }
 
 // pdf_solid_angle of sample_scatter where there are layers: each lobe by its albedo.

@@ -70,7 +70,7 @@ impl Scatter {
     /// Each lobe, and the probability of sampling it.
     fn shares(&self) -> impl Iterator<Item = (&ScatterLobe, f32)> {
         let total: f32 = self.lobes.iter().map(|lobe| max(&lobe.albedo())).sum();
-        self.lobes.iter().map(move |lobe| (lobe, max(&lobe.albedo()) / total))
+        self.lobes.iter().map(move |lobe| (lobe, max(&lobe.albedo()) / total.max(f32::MIN_POSITIVE)))
     }
 
     /// pdf_solid_angle of [`Scatter::sample`].

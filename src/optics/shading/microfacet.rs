@@ -22,7 +22,8 @@ pub(super) struct Ggx {
 impl Ggx {
     /// Of a material that has been met.
     pub(super) fn of(m: &PackedMaterial) -> Self {
-        let brushed = Brushed::of(m);
+        // where a picture of roughness is 0 there is a mirror
+        let brushed = Brushed::of(m).filter(|_| m.alpha > 0.0);
         Self { alpha: brushed.map_or(m.alpha, |brushed| brushed.masking_alpha()), brushed }
     }
 

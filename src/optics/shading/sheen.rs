@@ -49,8 +49,11 @@ impl Sheen {
         let rest = (1.0 - self.alpha).powi(2);
         let [a, b, c, d, e] = TERMS.map(|[rough, smooth]| smooth + rest * (rough - smooth));
         let exponent = |x: f32| a / (1.0 + b * x.powf(c)) + d * x + e;
-        let power =
-            if cosine < 0.5 { exponent(cosine) } else { 2.0 * exponent(0.5) - exponent(1.0 - cosine) };
+        let power = if cosine < 0.5 {
+            exponent(cosine)
+        } else {
+            2.0 * exponent(0.5) - exponent((1.0 - cosine).max(0.0))
+        };
         power.exp()
     }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Texels across and down, at most.
 const SIDE_MOST: u32 = 16_384;
 /// Bytes of memory that a texel takes while it is read, at least: as the file has it, and as it is kept.
-const MEMORY_PER_TEXEL: u64 = 16;
+const MEMORY_PER_TEXEL: u64 = 32;
 /// What a file begins with that is OpenEXR.
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
