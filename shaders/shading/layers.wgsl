@@ -6,7 +6,7 @@
 // Part of the light at this cosine that they let through.
 fn layers_pass(m: PackedMaterial, cosine: f32) -> f32 {
     var passed = 1.0 - clear_coat_reflectance(m, cosine);
-    let most = max_band(sheen_colour(m));
+    let most = sheen_most(m);
     if most > 0.0 {
         passed *= 1.0 - most * sheen_albedo(m, cosine);
     }

@@ -7,9 +7,18 @@ fn sheen_colour(m: PackedMaterial) -> Bands {
     return m.extinction;
 }
 
+fn sheen_roughness(m: PackedMaterial) -> f32 {
+    return unpack2x16unorm(m.sheen).x;
+}
+
+// The most that the colour has in any band or at any wavelength.
+fn sheen_most(m: PackedMaterial) -> f32 {
+    return unpack2x16unorm(m.sheen).y;
+}
+
 // Part of white light at this cosine that the lobe sends on, by a fit from above.
 fn sheen_albedo(m: PackedMaterial, cosine: f32) -> f32 {
-    let r = m.sheen_roughness;
+    let r = sheen_roughness(m);
     let p = vec4(1.0, r, r * r, r * r * r);
     let y = sqrt(max(0.0, cosine));
     let high = dot(SHEEN_ALBEDO_4, p) + y * (dot(SHEEN_ALBEDO_5, p) + y * dot(SHEEN_ALBEDO_6, p));
@@ -42,7 +51,7 @@ fn sheen_eval(m: PackedMaterial, n: vec3<f32>, wi: vec3<f32>, wo: vec3<f32>) -> 
     if cos_i <= 0.0 || cos_o <= 0.0 {
         return 0.0;
     }
-    let alpha = m.sheen_roughness * m.sheen_roughness;
+    let alpha = sheen_roughness(m) * sheen_roughness(m);
     let across = cross(n, normalize(wi + wo));
     let density = (2.0 + 1.0 / alpha) / TAU * pow(min(dot(across, across), 1.0), 0.5 / alpha);
     let shadowed = 1.0 + sheen_lambda(cos_i, alpha) + sheen_lambda(cos_o, alpha);

@@ -6,7 +6,7 @@
 use super::PackedScene;
 use super::emitters::{PackedEmitter, Source};
 use super::media::ABSORPTION_MOST;
-use super::surfaces::PackedMaterial;
+use super::surfaces::{PackedMaterial, sheen_bits};
 use crate::film::{half, place_in_half};
 use crate::scene::{FacetKind, Facets, Layers, Light, Material, MaterialSpectra, Scene};
 use crate::spectrum::cie::Matrix;
@@ -16,7 +16,7 @@ use crate::spectrum::metal::Metal;
 use crate::spectrum::pick::{Pick, rgb_matrix};
 use crate::spectrum::texel::bases_at;
 use crate::spectrum::wavelengths::Distribution;
-use crate::spectrum::{BANDS, BLACK, Bands, Spectrum, is_black, max, sum, to_rgb};
+use crate::spectrum::{BANDS, BLACK, Bands, LAMBDA_MAX, LAMBDA_MIN, Spectrum, is_black, max, sum, to_rgb};
 use std::sync::Arc;
 
 /// A scene by wavelength.
@@ -47,8 +47,9 @@ struct Curves {
     /// Where it is one.
     metal: Option<Metal>,
     facets: Option<Facets>,
-    /// What lies over its base, and by wavelength what the dielectric part reflects head on, and the sheen.
-    layers: Option<(Layers, [Spectrum; 2])>,
+    /// What lies over its base, by wavelength what the dielectric part reflects head on, and the sheen, and the numbers of that for all
+    /// wavelengths: what it leaves to the base does not depend on which are rendered together.
+    layers: Option<(Layers, [Spectrum; 2], u32)>,
 }
 
 /// What the bands of a pass are.
@@ -98,10 +99,13 @@ impl Curves {
             most: m.diffuse_texture.as_ref().map_or(1.0, |t| t.most().into_iter().fold(0.0, f32::max)),
             metal,
             facets: m.facets,
-            layers: m
-                .layers
-                .filter(|_| packed.flags().is_layered())
-                .map(|layers| (layers, [layers.head_on, layers.sheen].map(|rgb| curve(rgb, None)))),
+            layers: m.layers.filter(|_| packed.flags().is_layered()).map(|layers| {
+                let [head_on, sheen] = [layers.head_on, layers.sheen].map(|rgb| curve(rgb, None));
+                let most =
+                    (LAMBDA_MIN as u32..=LAMBDA_MAX as u32).map(|nm| sheen.at(nm.into())).fold(0.0, f64::max);
+                let most = if is_black(&layers.sheen) { 0.0 } else { most as f32 };
+                (layers, [head_on, sheen], sheen_bits(layers.sheen_roughness, most))
+            }),
         }
     }
 
@@ -111,7 +115,7 @@ impl Curves {
             if is_black(rgb) { BLACK } else { lambdas.map(|lambda| curve.at(lambda).clamp(0.0, 1.0) as f32) }
         };
         let mut m = *base;
-        let layers = self.layers.as_ref().map(|(layers, _)| layers);
+        let layers = self.layers.as_ref().map(|(layers, ..)| layers);
         m.diffuse = base.under_coat(self.facets, layers, value(&base.diffuse, &self.diffuse));
         m.specular = value(&base.specular, &self.specular);
         m.glossy = value(&base.glossy, &self.glossy);
@@ -121,8 +125,9 @@ impl Curves {
                 [m.iors[band], m.extinction[band]] = metal.at(lambda).map(|x| x as f32);
             }
         }
-        if let Some((_, [head_on, sheen])) = &self.layers {
+        if let Some((_, [head_on, sheen], numbers)) = &self.layers {
             (m.iors, m.extinction) = (value(&base.iors, head_on), value(&base.extinction, sheen));
+            m.sheen = *numbers;
         }
         if let Some(absorption) = &self.absorption {
             m.extinction = lambdas.map(|lambda| absorption.at(lambda).clamp(0.0, ABSORPTION_MOST) as f32);

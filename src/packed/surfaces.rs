@@ -101,6 +101,15 @@ const FOLLOWED_EXPONENT: f32 = 300.0;
 /// Indices that differ by less are the same.
 pub(crate) const SAME_INDEX: f32 = 1e-4;
 
+/// Largest of 16 bits.
+const SHEEN_STEPS: f32 = 65_535.0;
+
+/// Two numbers as [`PackedMaterial::sheen`] has them: what is let through is never too much.
+pub(super) fn sheen_bits(roughness: f32, most: f32) -> u32 {
+    let steps = |x: f32| x.clamp(0.0, 1.0) * SHEEN_STEPS;
+    (steps(most).ceil() as u32) << 16 | steps(roughness).round() as u32
+}
+
 /// Bits of [`PackedMaterial::flag_bits`] below the number of its body.
 pub const BODY_SHIFT: u32 = 24;
 
@@ -150,8 +159,8 @@ gpu_struct! {
         pub clear_coat: f32,
         /// GGX roughness α of it; 0 is smooth.
         pub clear_coat_alpha: f32,
-        /// Roughness of the sheen.
-        pub sheen_roughness: f32,
+        /// Roughness of the sheen, and the most that its colour has anywhere, in 16 bits each from 0 to 1, the low ones first.
+        pub sheen: u32,
         /// What the dielectric part of a layered material reflects at grazing angles.
         pub grazing: f32,
     }
@@ -162,6 +171,11 @@ impl PackedMaterial {
     /// How its microfacets are brushed.
     pub fn brush(&self) -> Option<Brush> {
         self.flags().is_anisotropic().then(|| Brush::unpacked(self.glossy_exponent))
+    }
+
+    /// Roughness of the sheen, and the most that its colour has in any band or at any wavelength.
+    pub(crate) fn sheen_numbers(&self) -> [f32; 2] {
+        [self.sheen & 0xffff, self.sheen >> 16].map(|x| x as f32 / SHEEN_STEPS)
     }
 
     /// Pack a material.
@@ -262,7 +276,8 @@ impl PackedMaterial {
             relief: 0.0,
             clear_coat,
             clear_coat_alpha,
-            sheen_roughness: layers.map_or(0.0, |l| l.sheen_roughness),
+            sheen: layers
+                .map_or(0, |l| sheen_bits(l.sheen_roughness, l.sheen.into_iter().fold(0.0, f32::max))),
             grazing: layers.map_or(1.0, |l| l.grazing),
             pad: Default::default(),
         };

@@ -5,7 +5,7 @@ use crate::harness::{EVERYTHING, Renderer, Shot, everyone, render, render_packed
 use crate::spectral::{FLINT, by_wavelength, flint, paint};
 use joton::film::Layer;
 use joton::packed::PackedScene;
-use joton::scene::{Dielectric, Light, Material, MaterialSpectra, Scene};
+use joton::scene::{Dielectric, FacetKind, Facets, Layers, Light, Material, MaterialSpectra, Scene};
 use joton::spectrum::glass::Index;
 use joton::spectrum::lamp::Emission;
 use joton::spectrum::list::List;
@@ -64,6 +64,42 @@ fn paint_under_a_sun_by_wavelength() {
             let want = lambdas.map(|lambda| at(sun, lambda) * at(rho, lambda) / PI);
             shot.claim(&format!("paint at {lambdas:?} nm"), shot.layer(Layer::Direct), want, 1e-4);
         }
+    }
+}
+
+/// What is seen at a wavelength does not depend on which are rendered together: of a coloured sheen, too, whose most anywhere counts for
+/// what it leaves to the base [E51].
+#[test]
+fn a_band_has_no_company() {
+    let mut b = Build::new(v(0., 0., 4.), v(0., 0., 0.), 0.2, 4);
+    let layers = Layers {
+        clear_coat: 0.0,
+        clear_coat_alpha: 0.0,
+        sheen: [0.9, 0.5, 0.1],
+        sheen_roughness: 0.5,
+        head_on: [0.04; 3],
+        grazing: 1.0,
+        metallic: 0.0,
+    };
+    let facets = Facets { alpha: 0.25, kind: FacetKind::Schlick { ior: 1.5 } };
+    let velvet = Material {
+        glossy: [0.04; 3],
+        facets: Some(facets),
+        layers: Some(layers),
+        ..Material::matte("velvet", [0.5; 3])
+    };
+    b.floor(v(0., 0., 0.), 2.0, &velvet);
+    let light = emission([1.0; 4]);
+    b.sun(v(0.3, 0., -1.).normalize(), light.to_rgb().map(|c| c as f32));
+    let scene = by_wavelength(b, light);
+    let lists = [vec![550.0], vec![450.0, 550.0, 650.0]].map(|list| List::new(list).expect("wavelengths"));
+    for who in everyone() {
+        let [alone, among] = lists.each_ref().map(|list| {
+            let (lambdas, shot) = measure(who, &scene, list, 1).remove(0);
+            let band = lambdas.iter().position(|lambda| *lambda == 550.0).expect("550 nm");
+            shot.layer(Layer::Direct).mean[band]
+        });
+        assert!(alone > 0.01 && (among / alone - 1.0).abs() < 1e-5, "{who:?}: {among}, alone {alone}");
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::optics::shading::fresnel::of_clear_coat;
 use crate::optics::shading::sheen;
 use crate::packed::PackedMaterial;
-use crate::spectrum::{Bands, max, scale};
+use crate::spectrum::{Bands, scale};
 
 /// What lies over a base.
 #[derive(Debug, Clone, Copy)]
@@ -18,11 +18,8 @@ pub(crate) struct Layers {
 impl Layers {
     /// Those of a material; none where it has none.
     pub(super) fn over(m: &PackedMaterial) -> Option<Self> {
-        m.flags().is_layered().then(|| Self {
-            clear_coat: m.clear_coat,
-            sheen: max(&m.extinction),
-            sheen_roughness: m.sheen_roughness,
-        })
+        let [sheen_roughness, sheen] = m.sheen_numbers();
+        m.flags().is_layered().then_some(Self { clear_coat: m.clear_coat, sheen, sheen_roughness })
     }
 
     /// Part of the light at this cosine that they let through.

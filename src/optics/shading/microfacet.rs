@@ -196,3 +196,23 @@ impl Microfacet {
 fn dot(a: &[f32; 4], b: &[f32; 4]) -> f32 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Anisotropy, FacetKind, Facets, Material};
+
+    /// Where a picture says that a brushed surface is smooth, its lobe has no width, as that of any smooth surface.
+    #[test]
+    fn a_smooth_place_of_a_brushed_surface_is_a_mirror() {
+        let brushed = PackedMaterial::new(&Material {
+            glossy: [0.5; 3],
+            facets: Some(Facets { alpha: 0.25, kind: FacetKind::Schlick { ior: 1.5 } }),
+            anisotropy: Some(Anisotropy { strength: 0.8, rotation: 0.0, is_around: false }),
+            ..Material::matte("brushed", BLACK)
+        });
+        let lobe = |m: &PackedMaterial| Microfacet::new(m, m.glossy, 0.7);
+        assert!(lobe(&brushed).has_width() && brushed.brush().is_some());
+        assert!(!lobe(&PackedMaterial { alpha: 0.0, ..brushed }).has_width());
+    }
+}

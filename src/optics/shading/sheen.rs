@@ -35,13 +35,9 @@ impl Sheen {
     /// Of a material seen at this cosine to the normal.
     pub(super) fn new(m: &PackedMaterial, cosine: f32) -> Self {
         let (colour, clear_coat) = (m.extinction, m.clear_coat);
-        let sent = albedo(m.sheen_roughness, cosine) * (1.0 - of_clear_coat(clear_coat, cosine));
-        Self {
-            colour,
-            alpha: m.sheen_roughness * m.sheen_roughness,
-            clear_coat,
-            albedo: scale(&colour, sent),
-        }
+        let [roughness, _] = m.sheen_numbers();
+        let sent = albedo(roughness, cosine) * (1.0 - of_clear_coat(clear_coat, cosine));
+        Self { colour, alpha: roughness * roughness, clear_coat, albedo: scale(&colour, sent) }
     }
 
     /// Λ of Smith's shadowing.
