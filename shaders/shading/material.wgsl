@@ -43,12 +43,12 @@ fn resolved_material(index: u32, uv: vec2<f32>, width: f32) -> PackedMaterial {
     return m;
 }
 
-// The diffuse reflectance of a gather point, as it keeps it.
+// The diffuse reflectance of a gather point, as it keeps it; of what is translucent with what goes through.
 fn kept_albedo(m: PackedMaterial) -> vec2<u32> {
     if !is_textured(m) {
         return vec2(0u);
     }
-    let four = four_of_bands(unmixed_colour(m));
+    let four = four_of_bands(select(unmixed_colour(m), m.diffuse + m.transmission, is_translucent(m)));
     return vec2(pack2x16float(four.xy), pack2x16float(four.zw));
 }
 
@@ -80,9 +80,12 @@ fn material_of_point(point: GatherPoint) -> PackedMaterial {
     if is_textured(m) {
         let kept = bands_of_four(vec4(unpack2x16float(point.albedo_low), unpack2x16float(point.albedo_high)));
         if is_translucent(m) {
-            m.transmission *= kept / max(m.diffuse, Bands(1e-20));
+            let texel = kept / max(m.diffuse + m.transmission, Bands(1e-20));
+            m.diffuse *= texel;
+            m.transmission *= texel;
+        } else {
+            m.diffuse = kept;
         }
-        m.diffuse = kept;
     }
     if is_anisotropic(m) {
         m = with_kept_way(m, point.facets);
