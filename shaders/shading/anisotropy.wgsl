@@ -86,18 +86,6 @@ fn brushed_slope(m: PackedMaterial, n: vec3<f32>, w: vec3<f32>) -> f32 {
     return length(vec3(brushed_alphas(m) * local.xy, local.z));
 }
 
-// The normal of one of the facets that wo sees, each by the area that it shows (Dupuy & Benyoub 2023).
-fn brushed_normal(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
-    let frame = brushed_frame(m, n);
-    let alphas = brushed_alphas(m);
-    let local = wo * frame;
-    let o = normalize(vec3(alphas * local.xy, local.z));
-    let z = fma(1.0 - u.y, 1.0 + o.z, -o.z);
-    let r = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
-    let h = vec3(r * unit_circle(u.x), z) + o;
-    return normalize(frame * vec3(alphas * h.xy, max(0.0, h.z)));
-}
-
 // What a gather point keeps: the way, roughness and the metallic part, of as many bits as a picture of them has.
 const KEPT_ROUGHNESS: f32 = 1023.0;
 const KEPT_METALLIC: f32 = 255.0;

@@ -19,15 +19,15 @@ fn ggx_slope(alpha: f32, cosine: f32) -> f32 {
     return sqrt(cosine * cosine + alpha * alpha * (1.0 - cosine * cosine));
 }
 
-// The normal of one of the facets that wo sees, each by the area that it shows (Dupuy & Benyoub 2023): the cap of a sphere, stretched.
-fn ggx_normal(alpha: f32, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
-    let frame = basis(n);
+// The normal of one of the facets that wo sees, each by the area that it shows (Dupuy & Benyoub 2023): the cap of a sphere, stretched by α
+// along the first two axes of a frame about the surface normal.
+fn visible_normal(frame: mat3x3<f32>, alphas: vec2<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     let local = wo * frame;
-    let o = normalize(vec3(alpha * local.xy, local.z));
+    let o = normalize(vec3(alphas * local.xy, local.z));
     let z = fma(1.0 - u.y, 1.0 + o.z, -o.z);
     let r = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
     let h = vec3(r * unit_circle(u.x), z) + o;
-    return normalize(frame * vec3(alpha * h.xy, max(0.0, h.z)));
+    return normalize(frame * vec3(alphas * h.xy, max(0.0, h.z)));
 }
 
 // These of a material that has been met, brushed or not.
@@ -47,9 +47,9 @@ fn facet_slope(m: PackedMaterial, n: vec3<f32>, w: vec3<f32>) -> f32 {
 
 fn facet_normal(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     if is_anisotropic(m) {
-        return brushed_normal(m, n, wo, u);
+        return visible_normal(brushed_frame(m, n), brushed_alphas(m), wo, u);
     }
-    return ggx_normal(m.alpha, n, wo, u);
+    return visible_normal(basis(n), vec2(m.alpha), wo, u);
 }
 
 // G₁: part of the facets toward a direction that it sees; on whichever side that is.

@@ -20,8 +20,12 @@ fn brushed_slope(m: PackedMaterial, n: vec3<f32>, w: vec3<f32>) -> f32 {
     return 1.0;
 }
 
-fn brushed_normal(m: PackedMaterial, n: vec3<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
-    return n;
+fn brushed_frame(m: PackedMaterial, n: vec3<f32>) -> mat3x3<f32> {
+    return mat3x3(n, n, n);
+}
+
+fn brushed_alphas(m: PackedMaterial) -> vec2<f32> {
+    return vec2(0.0);
 }
 
 fn kept_brush(m: PackedMaterial) -> u32 {

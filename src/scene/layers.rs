@@ -24,8 +24,6 @@ pub(super) const KEYS: [&str; 7] = [
     "transmission",
 ];
 
-/// Roughness of sheen where nothing is said.
-const SHEEN_ROUGHNESS: f32 = 0.5;
 /// Sheen that is less rough than this reflects more than it gets at grazing angles: it counts as this rough.
 const SHEEN_ROUGHNESS_LEAST: f32 = 0.3;
 
@@ -119,7 +117,7 @@ pub(super) fn layers(raw: &RawMaterial, ior: f32, metallic: f32) -> Option<Layer
         clear_coat,
         clear_coat_alpha: within(of.clear_coat_roughness, 0.0).powi(2),
         sheen,
-        sheen_roughness: within(of.sheen_roughness, SHEEN_ROUGHNESS).max(SHEEN_ROUGHNESS_LEAST),
+        sheen_roughness: within(of.sheen_roughness, Layers::PLAIN.sheen_roughness).max(SHEEN_ROUGHNESS_LEAST),
         head_on,
         grazing,
         metallic,

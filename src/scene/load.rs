@@ -5,7 +5,7 @@ use super::obj::{self, ObjFile};
 use super::scene_file::{self, DEFAULT_SIZE, MeshEntry, ShapeEntry};
 use super::transform::Transform;
 use super::warnings::Warnings;
-use super::{Camera, Light, Scene, Wavelengths, frame, shape, validate};
+use super::{Camera, Light, Scene, Wavelengths, frame, tessellation, validate};
 use crate::host::files;
 use crate::spectrum::BANDS;
 use crate::{Error, Result};
@@ -74,7 +74,7 @@ fn load_scene_file(path: &Path) -> Result<Scene> {
         let around = entry.shape.axis().and_then(|axis| Some((axis, assembly.around(material)?)));
         let material = around.map_or(material, |(_, material)| material);
         if let Some((axis, _)) = around {
-            shape::set_around(&mut mesh, axis);
+            tessellation::set_around(&mut mesh, axis);
         }
         mesh.positions.iter_mut().for_each(|p| *p += entry.center);
         assembly.add(entry.transform.mesh(mesh), material, path)?;

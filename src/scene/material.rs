@@ -166,6 +166,19 @@ pub struct Layers {
     pub metallic: f32,
 }
 
+impl Layers {
+    /// Nothing beside a base of index 1.5.
+    pub const PLAIN: Self = Self {
+        clear_coat: 0.0,
+        clear_coat_alpha: 0.0,
+        sheen: BLACK,
+        sheen_roughness: 0.5,
+        head_on: [0.04; BANDS],
+        grazing: 1.0,
+        metallic: 0.0,
+    };
+}
+
 /// What light does between a diffuse base and the coat over it \[E42\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Inner {

@@ -24,6 +24,7 @@ mod spd;
 mod spectra;
 mod spectrum_entry;
 mod table;
+mod tessellation;
 mod text;
 pub mod texture;
 mod transform;

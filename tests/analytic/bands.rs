@@ -72,15 +72,7 @@ fn paint_under_a_sun_by_wavelength() {
 #[test]
 fn a_band_has_no_company() {
     let mut b = Build::new(v(0., 0., 4.), v(0., 0., 0.), 0.2, 4);
-    let layers = Layers {
-        clear_coat: 0.0,
-        clear_coat_alpha: 0.0,
-        sheen: [0.9, 0.5, 0.1],
-        sheen_roughness: 0.5,
-        head_on: [0.04; 3],
-        grazing: 1.0,
-        metallic: 0.0,
-    };
+    let layers = Layers { sheen: [0.9, 0.5, 0.1], ..Layers::PLAIN };
     let facets = Facets { alpha: 0.25, kind: FacetKind::Schlick { ior: 1.5 } };
     let velvet = Material {
         glossy: [0.04; 3],

@@ -23,11 +23,10 @@ fn coat(clear_coat: f32, alpha: f32) -> Layers {
     Layers {
         clear_coat,
         clear_coat_alpha: alpha,
-        sheen: [0.0; 3],
-        sheen_roughness: 0.5,
         head_on: [0.0; 3],
         grazing: 0.0,
         metallic: 1.0,
+        ..Layers::PLAIN
     }
 }
 

@@ -332,15 +332,7 @@ pub fn all(size: u32) -> Vec<Twins> {
         coated(m);
         m.facets = Some(Facets { alpha: 0.2, kind: FacetKind::Schlick { ior: 1.5 } });
         m.glossy = [0.04; 3];
-        m.layers = Some(Layers {
-            clear_coat: 0.5,
-            clear_coat_alpha: 0.3,
-            sheen: [0.5; 3],
-            sheen_roughness: 0.5,
-            head_on: [0.04; 3],
-            grazing: 1.0,
-            metallic: 0.0,
-        });
+        m.layers = Some(Layers { clear_coat: 0.5, clear_coat_alpha: 0.3, sheen: [0.5; 3], ..Layers::PLAIN });
     };
     let sunny = |mut scene: Scene| {
         let direction = DVec3::new(0.3, -1.0, 0.5).normalize();

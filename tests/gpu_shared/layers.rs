@@ -116,23 +116,13 @@ pub fn layered(diffuse: [f32; 3], glossy: [f32; 3], alpha: f32, layers: Layers) 
     Material { glossy, facets, layers: Some(layers), ..Material::matte("layered", diffuse) }
 }
 
-const PLAIN: Layers = Layers {
-    clear_coat: 0.0,
-    clear_coat_alpha: 0.0,
-    sheen: [0.0; 3],
-    sheen_roughness: 0.5,
-    head_on: [0.04; 3],
-    grazing: 1.0,
-    metallic: 0.0,
-};
-
 /// Coats and sheen of all sorts whose lobes scatter, alone and one over the other.
 fn materials() -> Vec<Material> {
     let mut all = Vec::new();
     for roughness in [0.1, 0.3, 1.0f32] {
-        let coat = Layers { clear_coat: 0.9, clear_coat_alpha: roughness, ..PLAIN };
-        let sheen = Layers { sheen: [0.9, 0.5, 0.2], sheen_roughness: roughness.max(0.3), ..PLAIN };
-        let red = Layers { head_on: [0.03, 0.01, 0.002], grazing: 0.4, metallic: 0.3, ..PLAIN };
+        let coat = Layers { clear_coat: 0.9, clear_coat_alpha: roughness, ..Layers::PLAIN };
+        let sheen = Layers { sheen: [0.9, 0.5, 0.2], sheen_roughness: roughness.max(0.3), ..Layers::PLAIN };
+        let red = Layers { head_on: [0.03, 0.01, 0.002], grazing: 0.4, metallic: 0.3, ..Layers::PLAIN };
         let both = Layers { clear_coat: 0.6, clear_coat_alpha: roughness, metallic: 0.3, ..sheen };
         let base = [0.7, 0.4, 0.1];
         for layers in [coat, sheen, red] {
@@ -225,7 +215,7 @@ fn followed_coats_are_their_formulas() {
     let context = device_or_return!();
     let mut stated = Vec::new();
     for (alpha, clear_coat_alpha) in [(0.08, 0.02), (0.02, 0.08), (0.3, 0.05), (0.05, 0.0)] {
-        let layers = Layers { clear_coat: 0.8, clear_coat_alpha, sheen: [0.3; 3], ..PLAIN };
+        let layers = Layers { clear_coat: 0.8, clear_coat_alpha, sheen: [0.3; 3], ..Layers::PLAIN };
         stated.push(layered([0.5; 3], [0.2, 0.1, 0.04], alpha, layers));
     }
     let packed: Vec<PackedMaterial> = stated.iter().map(PackedMaterial::new).collect();
@@ -285,7 +275,7 @@ fn followed_coats_are_their_formulas() {
 fn sheen_albedo_is_its_integral() {
     let mut most: f64 = 0.0;
     for roughness in [0.3, 0.37, 0.5, 0.68, 0.85, 1.0] {
-        let layers = Layers { sheen: [1.0; 3], sheen_roughness: roughness as f32, ..PLAIN };
+        let layers = Layers { sheen: [1.0; 3], sheen_roughness: roughness as f32, ..Layers::PLAIN };
         for cos in [0.004, 0.03, 0.1, 0.22, 0.4, 0.63, 0.81, 0.97] {
             let wo = DVec3::new((1.0f64 - cos * cos).sqrt(), 0.0, cos);
             const STEPS: usize = 300;

@@ -18,15 +18,7 @@ fn scene() -> Scene {
     let mut scene = file("spheres.toml", SIZE);
     scene.lights.push(Light::Point { position: scene.camera.position, intensity: [0.3; 3] });
     let lamp = scene.materials.iter().find(|m| m.emits()).expect("a light").emission;
-    let plain = Layers {
-        clear_coat: 0.0,
-        clear_coat_alpha: 0.0,
-        sheen: BLACK,
-        sheen_roughness: 0.5,
-        head_on: [0.04; 3],
-        grazing: 1.0,
-        metallic: 0.0,
-    };
+    let plain = Layers::PLAIN;
     let sheen = Layers { sheen: [0.8, 0.6, 0.3], ..plain };
     for m in &mut scene.materials {
         let white = m.diffuse[0] > 0.0 && m.diffuse[0] == m.diffuse[1];

@@ -51,6 +51,7 @@ impl Variant {
             "shading/anisotropy.wgsl" => (self.no_anisotropy, Some("shading/no_anisotropy.wgsl")),
             "shading/brushed_way.wgsl" => (self.no_anisotropy, Some("shading/no_brushed_way.wgsl")),
             "shading/layers.wgsl" => (self.no_layers || self.no_facets, Some("shading/no_layers.wgsl")),
+            "shading/layered_lobes.wgsl" => (self.no_layers || self.no_facets, None),
             "shading/facet_textures.wgsl" => (self.no_facet_textures, Some("shading/no_facet_textures.wgsl")),
             "shading/relief.wgsl" => (self.no_relief, Some("shading/no_relief.wgsl")),
             "lights/glow.wgsl" => (self.no_glow, Some("lights/no_glow.wgsl")),

@@ -4,14 +4,14 @@
 use super::relief::Plain;
 use super::texture::TexturePlace;
 use crate::packed::{Brush, PackedMaterial};
-use crate::sampling::distributions::{basis, unit_circle};
+use crate::sampling::distributions::basis;
 use glam::{Mat3, Vec3};
 use std::f32::consts::PI;
 
 /// GGX normals with an α along a way of the surface and another one across it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Brushed {
-    alphas: [f32; 2],
+    pub(super) alphas: [f32; 2],
     /// Cosine and sine of the angle of the way in the basis of the normal.
     way: [f32; 2],
 }
@@ -30,7 +30,7 @@ impl Brushed {
     }
 
     /// Along, across, and the normal.
-    fn frame(&self, n: Vec3) -> Mat3 {
+    pub(super) fn frame(&self, n: Vec3) -> Mat3 {
         let (x, y) = basis(n);
         let [cos, sin] = self.way;
         Mat3::from_cols(x * cos + y * sin, y * cos - x * sin, n)
@@ -49,19 +49,6 @@ impl Brushed {
         let w = self.frame(n).transpose() * w;
         let [a, b] = self.alphas;
         Vec3::new(a * w.x, b * w.y, w.z).length()
-    }
-
-    /// The normal of one of the facets that `wo` sees, each by the area that it shows (Dupuy & Benyoub 2023).
-    pub(super) fn normal(&self, wo: Vec3, n: Vec3, u: [f32; 2]) -> Vec3 {
-        let frame = self.frame(n);
-        let [a, b] = self.alphas;
-        let stretch = |v: Vec3| Vec3::new(a * v.x, b * v.y, v.z);
-        let o = stretch(frame.transpose() * wo).normalize();
-        let [cos, sin] = unit_circle(u[0]);
-        let z = (1.0 - u[1]) * (1.0 + o.z) - o.z;
-        let r = (1.0 - z * z).max(0.0).sqrt();
-        let h = stretch(Vec3::new(r * cos, r * sin, z) + o);
-        (frame * Vec3::new(h.x, h.y, h.z.max(0.0))).normalize()
     }
 }
 

@@ -41,6 +41,11 @@ impl Fresnel {
         }
     }
 
+    /// Of so much of a clear coat over all else.
+    pub(super) fn of_clear_coat(amount: f32) -> Self {
+        Self::Schlick { head_on: [amount * CLEAR_COAT_HEAD_ON; BANDS], grazing: amount }
+    }
+
     /// Reflectance for even light; none of a coat, of which so little goes on that it does not count.
     pub(super) fn of_even_light(&self) -> Bands {
         match self {

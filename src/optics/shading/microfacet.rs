@@ -20,6 +20,11 @@ pub(super) struct Ggx {
 }
 
 impl Ggx {
+    /// As rough each way.
+    pub(super) fn even(alpha: f32) -> Self {
+        Self { alpha, brushed: None }
+    }
+
     /// Of a material that has been met.
     pub(super) fn of(m: &PackedMaterial) -> Self {
         // where a picture of roughness is 0 there is a mirror
@@ -28,7 +33,7 @@ impl Ggx {
     }
 
     /// Density of normals, 1/sr.
-    pub(super) fn density(&self, h: Vec3, n: Vec3) -> f32 {
+    fn density(&self, h: Vec3, n: Vec3) -> f32 {
         if let Some(brushed) = &self.brushed {
             return brushed.density(h, n);
         }
@@ -50,7 +55,7 @@ impl Ggx {
     }
 
     /// G₂/(4 cosθi cosθo).
-    pub(super) fn visibility(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
+    fn visibility(&self, wi: Vec3, wo: Vec3, n: Vec3) -> f32 {
         let (cos_i, cos_o) = (wi.dot(n), wo.dot(n));
         0.5 / (cos_i * self.slope(wo, n, cos_o) + cos_o * self.slope(wi, n, cos_i))
     }
@@ -103,17 +108,17 @@ impl Ggx {
 
     /// The normal of one of the facets that `wo` sees, each by the area that it shows (Dupuy & Benyoub 2023).
     pub(super) fn normal(&self, wo: Vec3, n: Vec3, u: [f32; 2]) -> Vec3 {
-        if let Some(brushed) = &self.brushed {
-            return brushed.normal(wo, n, u);
-        }
-        let frame = Mat3::from_cols(to_world(Vec3::X, n), to_world(Vec3::Y, n), n);
-        let o = frame.transpose() * wo;
-        let o = Vec3::new(self.alpha * o.x, self.alpha * o.y, o.z).normalize();
+        let (frame, [a, b]) = match &self.brushed {
+            Some(brushed) => (brushed.frame(n), brushed.alphas),
+            None => (Mat3::from_cols(to_world(Vec3::X, n), to_world(Vec3::Y, n), n), [self.alpha; 2]),
+        };
+        let stretched = |v: Vec3| Vec3::new(a * v.x, b * v.y, v.z);
+        let o = stretched(frame.transpose() * wo).normalize();
         let [cos_phi, sin_phi] = unit_circle(u[0]);
         let z = (1.0 - u[1]) * (1.0 + o.z) - o.z;
         let r = (1.0 - z * z).max(0.0).sqrt();
-        let h = Vec3::new(r * cos_phi, r * sin_phi, z) + o;
-        (frame * Vec3::new(self.alpha * h.x, self.alpha * h.y, h.z.max(0.0))).normalize()
+        let h = stretched(Vec3::new(r * cos_phi, r * sin_phi, z) + o);
+        (frame * Vec3::new(h.x, h.y, h.z.max(0.0))).normalize()
     }
 }
 
@@ -141,6 +146,11 @@ impl Microfacet {
         let layers = Layers::over(m);
         let albedo = covered(layers, fresnel.at(cosine), cosine, cosine);
         Self { fresnel, ggx, lost, kept, layers, albedo }
+    }
+
+    /// What reflects once, under nothing else.
+    pub(super) fn once(fresnel: Fresnel, ggx: Ggx, cosine: f32) -> Self {
+        Self { fresnel, ggx, lost: 1.0, kept: BLACK, layers: None, albedo: fresnel.at(cosine) }
     }
 
     /// False for a smooth surface.

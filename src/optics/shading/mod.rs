@@ -27,7 +27,6 @@ mod undercoat;
 use crate::packed::PackedMaterial;
 use crate::spectrum::{Bands, is_black};
 use arrayvec::ArrayVec;
-use clear_coat::ClearCoat;
 use dielectric::Way;
 use frame::Frame;
 use glam::Vec3;
@@ -54,7 +53,6 @@ pub(crate) enum ScatterLobe {
     Microfacet(Microfacet),
     Translucent(Translucent),
     Sheen(Sheen),
-    ClearCoat(ClearCoat),
 }
 
 impl ScatterLobe {
@@ -66,7 +64,6 @@ impl ScatterLobe {
             Self::Microfacet(m) => m.albedo,
             Self::Translucent(t) => t.albedo,
             Self::Sheen(s) => s.albedo,
-            Self::ClearCoat(c) => c.albedo,
         }
     }
 
@@ -78,7 +75,6 @@ impl ScatterLobe {
             Self::Microfacet(m) => m.eval(wi, wo, n),
             Self::Translucent(t) => t.eval(),
             Self::Sheen(s) => s.eval(wi, wo, n),
-            Self::ClearCoat(c) => c.eval(wi, wo, n),
         }
     }
 
@@ -90,7 +86,6 @@ impl ScatterLobe {
             Self::Microfacet(m) => m.pdf(wi, wo, n),
             Self::Translucent(t) => t.pdf(wi, n),
             Self::Sheen(s) => s.pdf(wi, n),
-            Self::ClearCoat(c) => c.pdf(wi, wo, n),
         }
     }
 
@@ -102,7 +97,6 @@ impl ScatterLobe {
             Self::Microfacet(m) => m.sample(wo, n, u),
             Self::Translucent(t) => t.sample(n, u),
             Self::Sheen(s) => s.sample(n, u),
-            Self::ClearCoat(c) => c.sample(wo, n, u),
         }
     }
 
@@ -147,7 +141,7 @@ fn scatter_lobes(m: &PackedMaterial, cosine: f32) -> ArrayVec<ScatterLobe, SCATT
             lobes.push(ScatterLobe::Sheen(Sheen::new(m, cosine)));
         }
         if m.clear_coat > 0.0 && !m.flags().follows_clear_coat() {
-            lobes.push(ScatterLobe::ClearCoat(ClearCoat::new(m, cosine)));
+            lobes.push(ScatterLobe::Microfacet(clear_coat::lobe(m, cosine)));
         }
     }
     lobes
@@ -158,7 +152,6 @@ fn scatter_lobes(m: &PackedMaterial, cosine: f32) -> ArrayVec<ScatterLobe, SCATT
 pub(crate) enum DeltaLobe {
     Mirror(Mirror),
     Facets(Microfacet),
-    ClearCoat(ClearCoat),
     Interface(Way),
     RoughInterface(RoughWay),
 }
@@ -169,7 +162,6 @@ impl DeltaLobe {
         match self {
             Self::Mirror(m) => m.albedo,
             Self::Facets(m) => m.albedo,
-            Self::ClearCoat(c) => c.albedo,
             Self::Interface(w) => w.albedo,
             Self::RoughInterface(w) => w.albedo,
         }
@@ -184,11 +176,6 @@ impl DeltaLobe {
                 let w = m.sample(f.back, f.specular_normal(), u);
                 Some(w).filter(|w| w.dot(f.ng) > 0.0 && w.dot(f.specular_normal()) > 0.0)
             }
-            Self::ClearCoat(c) if !c.has_width() => Some(Mirror::direction(f)),
-            Self::ClearCoat(c) => {
-                let w = c.sample(f.back, f.specular_normal(), u);
-                Some(w).filter(|w| w.dot(f.ng) > 0.0 && w.dot(f.specular_normal()) > 0.0)
-            }
             Self::Interface(w) => Some(w.direction),
             Self::RoughInterface(w) => w.sample(f, u),
         }
@@ -200,8 +187,6 @@ impl DeltaLobe {
             Self::Mirror(m) => m.albedo,
             Self::Facets(m) if !m.has_width() => m.albedo,
             Self::Facets(m) => m.reflected(w, f.back, f.specular_normal()),
-            Self::ClearCoat(c) if !c.has_width() => c.albedo,
-            Self::ClearCoat(c) => c.reflected(w, f.back, f.specular_normal()),
             Self::Interface(w) => w.albedo,
             Self::RoughInterface(way) => way.through(f, w),
         }
@@ -210,7 +195,7 @@ impl DeltaLobe {
     /// By how much radiance scales on the way to the eye [E9].
     pub(crate) fn radiance_scale(&self, f: &Frame) -> f32 {
         match self {
-            Self::Mirror(_) | Self::Facets(_) | Self::ClearCoat(_) => 1.0,
+            Self::Mirror(_) | Self::Facets(_) => 1.0,
             Self::Interface(w) => w.radiance_scale,
             Self::RoughInterface(w) => w.radiance_scale(f),
         }
@@ -221,7 +206,6 @@ impl DeltaLobe {
         match self {
             Self::Mirror(m) => m.has_width(),
             Self::Facets(m) => m.has_width(),
-            Self::ClearCoat(c) => c.has_width(),
             Self::Interface(_) => false,
             Self::RoughInterface(_) => true,
         }
@@ -232,7 +216,6 @@ impl DeltaLobe {
         self.has_width().then(|| match self {
             Self::Mirror(m) => m.pdf(f, w),
             Self::Facets(m) => m.pdf(w, f.back, f.specular_normal()),
-            Self::ClearCoat(c) => c.pdf(w, f.back, f.specular_normal()),
             Self::Interface(_) => 0.0,
             Self::RoughInterface(way) => way.pdf(f, w),
         })
@@ -241,7 +224,7 @@ impl DeltaLobe {
     /// True where it sends light to the other side of the surface.
     fn crosses(&self) -> bool {
         match self {
-            Self::Mirror(_) | Self::Facets(_) | Self::ClearCoat(_) => false,
+            Self::Mirror(_) | Self::Facets(_) => false,
             // nobody asks: it has no width
             Self::Interface(_) => false,
             Self::RoughInterface(w) => w.is_transmission,
@@ -263,7 +246,7 @@ fn delta_lobes(m: &PackedMaterial, frame: &Frame) -> ArrayVec<DeltaLobe, DELTA_M
             lobes.push(DeltaLobe::Facets(Microfacet::new(m, m.specular, cosine)));
         }
         if flags.follows_clear_coat() {
-            lobes.push(DeltaLobe::ClearCoat(ClearCoat::new(m, cosine)));
+            lobes.push(DeltaLobe::Facets(clear_coat::lobe(m, cosine)));
         }
     } else if flags.has_delta() {
         lobes.push(DeltaLobe::Mirror(Mirror { albedo: m.specular, exponent: m.specular_exponent }));
