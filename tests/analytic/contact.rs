@@ -38,8 +38,10 @@ fn air_between_panes_has_two_surfaces() {
             b.cuboid(v(-1., -1., 0.5), v(1., 1., 0.6), true, &clear(IOR));
             b.cuboid(v(-1., -1., 0.6 + gap), v(1., 1., 0.7), true, &clear(IOR));
             b.sun(v(0., 0., -1.), [1.0; 3]);
+            // light that goes to and fro in a wide gap leaves the glass elsewhere
+            let passes = if gap >= 1e-4 { 32 } else { 12 };
             for who in mappers() {
-                let shot = render(who, &b.0, "LS+DE", 32);
+                let shot = render(who, &b.0, "LS+DE", passes);
                 shot.claim(
                     &format!("gap {gap:e}, floor {floor}"),
                     shot.layer(Layer::Caustic),
@@ -97,7 +99,7 @@ fn glass_that_touches_a_floor_has_no_air_below() {
         (-1e-4, true, touching),
     ] {
         for who in mappers() {
-            let shot = render(who, &scene(gap, turned), "LS+DS*E", 64);
+            let shot = render(who, &scene(gap, turned), "LS+DS*E", 48);
             shot.claim(
                 &format!("gap {gap:e}, turned: {turned}"),
                 shot.layer(Layer::Caustic),
@@ -132,7 +134,7 @@ fn a_thin_pane_far_from_the_middle_is_a_pane() {
     b.cuboid(at + v(-0.5, -0.5, 0.5), at + v(0.5, 0.5, 0.504), true, &clear(IOR));
     b.sun(v(0., 0., -1.), [1.0; 3]);
     for who in mappers() {
-        let shot = render(who, &b.0, "LS+DE", 32);
+        let shot = render(who, &b.0, "LS+DE", 8);
         shot.claim("4 mm pane", shot.layer(Layer::Caustic), [0.5 / PI * through(2.0); 3], 0.02);
     }
 }

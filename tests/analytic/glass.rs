@@ -1,7 +1,7 @@
 //! Plane boundaries: Fresnel, total reflection, and the change of radiance and irradiance behind them.
 
 use crate::build::{Build, clear, glowing, matte, pane, reflectance, v, wide};
-use crate::harness::{everyone, mappers, render};
+use crate::harness::{Renderer, everyone, mappers, render};
 use joton::film::Layer;
 use joton::scene::Light;
 use std::f64::consts::PI;
@@ -68,7 +68,9 @@ fn pane_mixes_what_lies_on_both_sides() {
         let face = reflectance(angle, 1.5);
         let r = 2.0 * face / (1.0 + face);
         for who in everyone() {
-            let shot = render(who, &b.0, "LS*E", 512);
+            // an eye path goes both ways, a path of the path tracer one
+            let passes = if who == Renderer::PathTracer { 512 } else { 32 };
+            let shot = render(who, &b.0, "LS*E", passes);
             let seen = shot.layer(Layer::Emission);
             let what = format!("at {degrees}°, front up {looks_up}");
             // a pixel shows either side: of 32,768 samples 8 % reflect straight down, a noise of 2 %

@@ -34,9 +34,6 @@ pub enum Renderer {
     PathTracer,
 }
 
-/// Ways to diffuse light: what is kept for them.
-pub const WAYS: [&[Part]; 2] = [&[], &[Part::DiffuseMap]];
-
 /// The two photon mappers; without the device where the environment opts out.
 pub fn mappers() -> Vec<Renderer> {
     if std::env::var(OPT_OUT).is_ok_and(|v| v == "1") {
@@ -51,6 +48,15 @@ pub fn everyone() -> Vec<Renderer> {
     let mut all = mappers();
     all.push(Renderer::PathTracer);
     all
+}
+
+/// Who renders all of a scene's light, with the parts that are kept: everyone as planned, and the photon mappers with diffuse
+/// light by its map, too, where the plan has another way.
+pub fn everyone_both_ways(scene: &Scene) -> impl Iterator<Item = (Renderer, &'static [Part])> {
+    let by_map = !Plan::new(&PackedScene::whole(scene), Settings::default()).has_indirect_paths();
+    let ways: [&'static [Part]; 2] = [&[], &[Part::DiffuseMap]];
+    let count = move |who| if by_map || who == Renderer::PathTracer { 1 } else { 2 };
+    everyone().into_iter().flat_map(move |who| ways.into_iter().take(count(who)).map(move |keep| (who, keep)))
 }
 
 /// A mean and its standard error.

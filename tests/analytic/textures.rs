@@ -1,7 +1,7 @@
 //! Textures and surfaces of which some is not there.
 
 use crate::build::{Build, glowing, matte, v, wide};
-use crate::harness::{EVERYTHING, Renderer, Values, WAYS, everyone, render, render_keeping};
+use crate::harness::{EVERYTHING, Values, everyone, everyone_both_ways, render, render_keeping};
 use joton::film::Layer;
 use joton::scene::Material;
 use joton::scene::texture::{Bitmap, Filter, Opacity, Space, Texture};
@@ -75,11 +75,9 @@ fn a_white_partition_in_part_disappears_in_a_furnace() {
     let mut b = Build::new(v(0.2, 0.1, -0.5), v(0.3, 0.5, 0.2), 1.0, 16);
     b.cuboid(v(-1., -1., -1.), v(1., 1., 1.), false, &glowing([0.5, 0.7, 0.8], [0.5, 0.3, 0.2]));
     b.floor(v(0., 0., 0.2), 1.0, &in_part(0.5, matte([1.0; 3])));
-    for who in everyone() {
-        for keep in WAYS.into_iter().take(if who == Renderer::PathTracer { 1 } else { 2 }) {
-            let shot = render_keeping(who, &b.0, EVERYTHING, 96, keep);
-            let seen = shot.mean(&Layer::ALL, |_, _| true);
-            shot.claim(&format!("furnace with a partition, {keep:?}"), seen, [1.0; 3], 0.02);
-        }
+    for (who, keep) in everyone_both_ways(&b.0) {
+        let shot = render_keeping(who, &b.0, EVERYTHING, 96, keep);
+        let seen = shot.mean(&Layer::ALL, |_, _| true);
+        shot.claim(&format!("furnace with a partition, {keep:?}"), seen, [1.0; 3], 0.02);
     }
 }

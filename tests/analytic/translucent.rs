@@ -1,10 +1,9 @@
 //! Light that is scattered through a surface [E55].
 
 use crate::build::{Build, Look, glowing, matte, v, wide};
-use crate::harness::{EVERYTHING, Renderer, WAYS, everyone, render, render_keeping};
+use crate::harness::{EVERYTHING, everyone, everyone_both_ways, render, render_keeping};
 use joton::film::Layer;
 use joton::packed::PackedScene;
-use joton::plan::Part;
 use joton::scene::Material;
 use joton::scene::texture::{Bitmap, Space, Texels, Texture};
 use joton::spectrum::Bands;
@@ -16,14 +15,6 @@ const TRANSMIT: Bands = [0.6, 0.2, 0.9];
 
 fn sheet(kd: Bands, transmit: Bands) -> Material {
     Material { transmit, ..matte(kd) }
-}
-
-/// Everyone, and the photon mappers with diffuse light by its map, too.
-fn everyone_both_ways() -> impl Iterator<Item = (Renderer, &'static [Part])> {
-    let ways = |who| {
-        WAYS.into_iter().take(if who == Renderer::PathTracer { 1 } else { 2 }).map(move |keep| (who, keep))
-    };
-    everyone().into_iter().flat_map(ways)
 }
 
 /// A sheet in the sun: kd E/π on the side that is lit, transmit E/π on the other, whichever of them is its front; a texture colours both,
@@ -72,7 +63,7 @@ fn a_globe_shines_as_its_closed_form_says() {
     b.sphere(v(0., 0., 0.), 1.0, 4, Look::OutwardSmooth, &sheet(KD, TRANSMIT));
     b.point(v(0., 0., 0.), intensity);
     assert!(PackedScene::new(&b.0).out_of_reach.is_empty());
-    for (who, keep) in everyone_both_ways() {
+    for (who, keep) in everyone_both_ways(&b.0) {
         let shot = render_keeping(who, &b.0, EVERYTHING, 96, keep);
         let direct: [f64; 3] = std::array::from_fn(|i| wide(TRANSMIT)[i] * wide(intensity)[i] / PI);
         let rest = std::array::from_fn(|i| direct[i] * wide(KD)[i] / (1.0 - wide(KD)[i]));
@@ -108,7 +99,7 @@ fn a_white_sheet_disappears_in_a_furnace() {
     b.cuboid(v(-2., -2., -2.), v(2., 2., 2.), false, &glowing([0.5; 3], [0.5; 3]));
     b.floor(v(-0.5, 0., -0.1), 0.4, &coloured);
     b.sphere(v(0.5, 0.2, 0.0), 0.4, 3, Look::OutwardSmooth, &white);
-    for (who, keep) in everyone_both_ways() {
+    for (who, keep) in everyone_both_ways(&b.0) {
         let shot = render_keeping(who, &b.0, EVERYTHING, 64, keep);
         let seen = shot.mean(&Layer::ALL, |_, _| true);
         shot.claim("white sheet in a furnace", seen, [1.0; 3], 0.02);
