@@ -9,6 +9,7 @@ mod compare;
 mod device;
 mod devices;
 mod export;
+mod fit;
 mod interrupt;
 mod memory;
 mod merge;

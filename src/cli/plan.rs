@@ -1,8 +1,9 @@
 //! `joton plan SCENE`: what the scene needs, what is skipped and why.
 
+use super::fit::pack_to_fit;
 use super::memory::{self, mebibytes};
 use super::render::{Spectral, Switch};
-use super::{DONE, pack, say, say_json};
+use super::{DONE, say, say_json};
 use clap::Args;
 use joton::Result;
 use joton::film::Layer;
@@ -67,7 +68,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     if let Some(paths) = &a.paths {
         settings.paths = joton::film::paths::LightPaths::parse(paths)?;
     }
-    let packed = pack(&scene, &settings)?;
+    let packed = pack_to_fit(&mut scene, &settings, Place::Device)?;
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
     let mut wanted = Plan::new(&packed, settings);
     wanted.bound_process(&packed, Place::Device)?;

@@ -11,11 +11,15 @@ pub fn set_limit(bytes: u64) {
     LIMIT.store(bytes, Ordering::Relaxed);
 }
 
+/// What [`set_limit`] said; none where nothing was.
+pub(crate) fn limit() -> Option<u64> {
+    Some(LIMIT.load(Ordering::Relaxed)).filter(|bytes| *bytes < u64::MAX)
+}
+
 /// Bytes that may still be taken: what is available, and what [`set_limit`] leaves.
 pub(crate) fn allowed() -> Option<u64> {
-    let limit = LIMIT.load(Ordering::Relaxed);
-    let left =
-        (limit < u64::MAX).then(|| limit.saturating_sub(kib_of("/proc/self/status", "VmRSS:").unwrap_or(0)));
+    let taken = || kib_of("/proc/self/status", "VmRSS:").unwrap_or(0);
+    let left = limit().map(|bytes| bytes.saturating_sub(taken()));
     [available(), left].into_iter().flatten().min()
 }
 

@@ -56,6 +56,7 @@ pub use visible_cells::{VISIBLE_CELL_FACTORS, VISIBLE_CELL_WORDS, VisibleCells};
 
 use crate::error::{Error, Result};
 use crate::packed::accel::Bvh;
+use crate::scene::texture::fit;
 use crate::scene::{Scene, Triangle};
 use crate::spectrum::Bands;
 use glam::{DVec3, Vec3};
@@ -72,6 +73,15 @@ const BYTES_PER_TRIANGLE: u64 = 362;
 pub fn check_memory(scene: &Scene) -> Result<()> {
     let need = scene.mesh.triangles.len() as u64 * BYTES_PER_TRIANGLE;
     check_left(need.saturating_add(textures::bytes_of(scene)), crate::host::memory::allowed())
+}
+
+/// Make pictures of a scene smaller that cannot be packed in the memory that the user allows; false where that would not do.
+pub fn fit_pictures(scene: &mut Scene) -> bool {
+    let mesh = scene.mesh.bytes() + scene.mesh.triangles.len() as u64 * BYTES_PER_TRIANGLE;
+    match fit::room(mesh) {
+        Some(most) if scene.picture_bytes() > most => scene.shrink_pictures(most),
+        _ => true,
+    }
 }
 
 fn check_left(need: u64, left: Option<u64>) -> Result<()> {

@@ -1,10 +1,11 @@
 //! Textures as plain arrays: records, texels with their smaller levels, and the texture coordinates of triangles \[E37\].
 //!
-//! Levels are made here, by a box filter in linear light: each has half as many texels across and down as the one before, down to one.
+//! Levels are those of [`crate::scene::texture::levels`].
 
 use super::gpu_struct::gpu_struct;
 use super::heap::HEAP_WORD;
 use super::surfaces::{PackedMaterial, corner_of};
+use crate::scene::texture::levels::Level;
 use crate::scene::texture::{
     Bitmap, Channel, Filter, Opacity, Relief, ReliefKind, Space, Texels, Texture, Wrap, f16,
 };
@@ -155,16 +156,8 @@ impl Textures {
 
 /// Bytes of memory that packing a scene's textures takes.
 pub(super) fn bytes_of(scene: &Scene) -> u64 {
-    let mut seen: FxHashMap<usize, u64> = FxHashMap::default();
-    for texture in scene.materials.iter().flat_map(Material::textures) {
-        let bytes = match &texture.bitmap.texels {
-            Texels::Bytes(texels) => size_of_val(&texels[..]),
-            Texels::Halves(texels) => size_of_val(&texels[..]),
-        };
-        seen.insert(Arc::as_ptr(&texture.bitmap) as usize, bytes as u64);
-    }
     // levels are a third more, and the first of them is made in f32, which takes as much as the largest once more
-    seen.values().map(|bytes| bytes * 7 / 3).sum()
+    scene.picture_bytes() * 7 / 3
 }
 
 /// What is the same for two textures whose records are the same.
@@ -261,46 +254,25 @@ impl Packer {
     }
 }
 
-/// Texels in f32, in linear light.
-struct Level {
-    size: [u32; 2],
-    texels: Vec<[f32; 4]>,
-}
-
 /// Appends the words of all levels of a picture; how many levels there are.
 fn levels(bitmap: &Bitmap, space: Space, words: &mut Vec<Word>) -> u32 {
     let mut count = 1;
-    let mut level = match &bitmap.texels {
-        Texels::Bytes(texels) => {
-            append(texels.iter().map(|t| [u32::from_le_bytes(*t)]), words);
-            let linear: Vec<f32> = (0..=u8::MAX).map(|x| space.to_linear(f32::from(x) / 255.0)).collect();
-            smaller(bitmap.size, |i| {
-                let [r, g, b, a] = texels[i];
-                let [r, g, b] = [r, g, b].map(|x| linear[usize::from(x)]);
-                [r, g, b, f32::from(a) / 255.0]
-            })
-        }
-        Texels::Halves(texels) => {
-            append(texels.iter().map(|t| half_words(*t)), words);
-            smaller(bitmap.size, |i| texels[i].map(f32::from))
-        }
-    };
-    while let Some(Level { size, texels }) = level {
+    append_level(&bitmap.texels, words);
+    let mut level = Level::after(bitmap, space);
+    while let Some(known) = level {
         count += 1;
-        match &bitmap.texels {
-            Texels::Bytes(_) => {
-                let byte = |x: f32| (x * 255.0).round() as u8;
-                let bytes = |[r, g, b, a]: [f32; 4]| {
-                    let [r, g, b] = [r, g, b].map(|x| byte(space.encoded(x)));
-                    [u32::from_le_bytes([r, g, b, byte(a)])]
-                };
-                append(texels.iter().map(|t| bytes(*t)), words);
-            }
-            Texels::Halves(_) => append(texels.iter().map(|t| half_words(t.map(f16::from_f32))), words),
-        }
-        level = smaller(size, |i| texels[i]);
+        append_level(&known.texels_like(&bitmap.texels, space), words);
+        level = known.next();
     }
     count
+}
+
+/// Appends the words of a level.
+fn append_level(texels: &Texels, words: &mut Vec<Word>) {
+    match texels {
+        Texels::Bytes(texels) => append(texels.iter().map(|t| [u32::from_le_bytes(*t)]), words),
+        Texels::Halves(texels) => append(texels.iter().map(|t| half_words(*t)), words),
+    }
 }
 
 /// A texel of four half floats.
@@ -327,63 +299,9 @@ fn append<const N: usize>(texels: impl Iterator<Item = [u32; N]>, words: &mut Ve
     }
 }
 
-/// The level after one of this size; none after the last, which has one texel.
-fn smaller([width, height]: [u32; 2], texel: impl Fn(usize) -> [f32; 4]) -> Option<Level> {
-    if width == 1 && height == 1 {
-        return None;
-    }
-    let size = [width, height].map(|side| (side / 2).max(1));
-    let [columns, rows] = [0, 1].map(|k| parts([width, height][k], size[k]));
-    let mut texels = Vec::with_capacity(size[0] as usize * size[1] as usize);
-    for row in &rows {
-        for column in &columns {
-            let mut sum = [0.0; 4];
-            for &(y, down) in row {
-                for &(x, across) in column {
-                    let found = texel(y as usize * width as usize + x as usize);
-                    sum = std::array::from_fn(|k| sum[k] + found[k] * (down * across));
-                }
-            }
-            texels.push(sum);
-        }
-    }
-    Some(Level { size, texels })
-}
-
-/// For each of `to` equal parts of a row of `from` texels, the texels that it covers, and how much of the part each makes.
-fn parts(from: u32, to: u32) -> Vec<Vec<(u32, f32)>> {
-    let [from64, to64] = [from, to].map(u64::from);
-    let part = |i: u64| {
-        // in units of 1/to of a texel
-        let [begin, end] = [i * from64, (i + 1) * from64];
-        let covered = |x: u64| {
-            let overlap = ((x + 1) * to64).min(end) - (x * to64).max(begin);
-            (x as u32, overlap as f32 / from as f32)
-        };
-        (begin / to64..end.div_ceil(to64)).map(covered).collect()
-    };
-    (0..to64).map(part).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Each part of a row is covered exactly once, by neighbours.
-    #[test]
-    fn parts_cover_a_row_once() {
-        for from in 1..40 {
-            let to = (from / 2).max(1);
-            let parts = parts(from, to);
-            let mut covered = vec![0.0; from as usize];
-            for part in &parts {
-                assert!((part.iter().map(|(_, w)| w).sum::<f32>() - 1.0).abs() < 1e-6, "{from}: {part:?}");
-                part.iter().for_each(|(x, w)| covered[*x as usize] += w);
-            }
-            let each = to as f32 / from as f32;
-            assert!(covered.iter().all(|w| (w - each).abs() < 1e-6), "{from}: {covered:?}");
-        }
-    }
 
     /// Levels are means in linear light, whatever the space; the last one is the mean of all.
     #[test]
@@ -393,7 +311,7 @@ mod tests {
         let texels: Vec<[u8; 4]> = [0, 255, 0, 255, 0, 255].map(grey).to_vec();
         for (space, wanted) in [(Space::Linear, 128u32), (Space::Srgb, 188)] {
             let mut words = vec![[7; 4]];
-            let count = levels(&Bitmap { size, texels: Texels::Bytes(texels.clone()) }, space, &mut words);
+            let count = levels(&Bitmap::new(size, Texels::Bytes(texels.clone())), space, &mut words);
             // three texels across become one, and two rows one
             assert_eq!((count, words.len()), (2, 1 + 2 + 1));
             let [r, g, b, a] = words[3][0].to_le_bytes().map(u32::from);
@@ -401,7 +319,7 @@ mod tests {
         }
         let halves = vec![[0.25, 0.5, 1.0, 1.0].map(f16::from_f32), [0.75, 0.5, 0.0, 0.0].map(f16::from_f32)];
         let mut words = Vec::new();
-        levels(&Bitmap { size: [2, 1], texels: Texels::Halves(halves) }, Space::Linear, &mut words);
+        levels(&Bitmap::new([2, 1], Texels::Halves(halves)), Space::Linear, &mut words);
         let [rg, ba, ..] = words[1];
         let number = |bits: u32| f16::from_bits(bits as u16).to_f32();
         assert_eq!([number(rg), number(rg >> 16), number(ba), number(ba >> 16)], [0.5; 4]);

@@ -4,6 +4,7 @@ use super::glass::{self, Origin};
 use super::mtl::{Kind, RawMaterial, RawSpectra};
 use super::obj::{ObjFile, UsedMaterial};
 use super::scene_file::{Called, MadeOf, MaterialEntry};
+use super::texture::fit;
 use super::texture::store::Store;
 use super::warnings::{Named, Warnings, listed};
 use super::{Anisotropy, Material, Mesh, layers, rule, text};
@@ -179,12 +180,17 @@ impl<'a> Assembly<'a> {
         warnings: &mut Warnings,
     ) -> Result<u32> {
         let material = rule::material(raw, &mut self.textures, warnings)?;
+        let has_pictures = material.has_texture();
         if let Some(thin) = raw.thin.filter(|_| material.dielectric.is_none()) {
             let what = format!("material \"{}\": thin says nothing of what is no glass", raw.name);
             warnings.add(&raw.file, Some(thin.line), what);
         }
         let thin = raw.thin.map(|thin| thin.value);
-        Ok(self.push(material, Origin { file: path.to_owned(), line, thin }))
+        let number = self.push(material, Origin { file: path.to_owned(), line, thin });
+        if has_pictures && let Some(most) = fit::room(0) {
+            self.textures.make_room(most, &mut self.materials);
+        }
+        Ok(number)
     }
 
     fn push(&mut self, material: Material, origin: Origin) -> u32 {

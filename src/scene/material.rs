@@ -229,6 +229,16 @@ impl Material {
         self.surface_textures().chain(opacity)
     }
 
+    /// Likewise, to change them.
+    pub(crate) fn textures_mut(&mut self) -> impl Iterator<Item = &mut Texture> {
+        let opacity = self.opacity.iter_mut().filter_map(|o| o.texture.as_mut());
+        let metallic = self.metallic.iter_mut().filter_map(|m| m.map.as_mut());
+        let numbers = self.roughness.iter_mut().chain(metallic).map(|map| &mut map.texture);
+        let relief = self.relief.iter_mut().map(|relief| &mut relief.texture);
+        let colours = self.diffuse_texture.iter_mut().chain(&mut self.emission_texture);
+        colours.chain(numbers).chain(relief).chain(opacity)
+    }
+
     /// Those of them that are looked up where a ray has met it.
     pub fn surface_textures(&self) -> impl Iterator<Item = &Texture> {
         let metallic = self.metallic.iter().filter_map(|m| m.map.as_ref());

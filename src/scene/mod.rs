@@ -78,6 +78,13 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Bytes of all of it.
+    pub(crate) fn bytes(&self) -> u64 {
+        let Self { positions, normals, uvs, triangles } = self;
+        let vertices = size_of_val(&positions[..]) + size_of_val(&normals[..]) + size_of_val(&uvs[..]);
+        (vertices + size_of_val(&triangles[..])) as u64
+    }
+
     /// Its vertices alone.
     pub(crate) fn without_triangles(&self) -> Self {
         Self {

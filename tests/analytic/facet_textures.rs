@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Two texels side by side: red is roughness, green the metallic part.
 fn pair(left: [u8; 2], right: [u8; 2]) -> Texture {
     let texel = |[r, g]: [u8; 2]| [r, g, 0, 255];
-    let bitmap = Bitmap { size: [2, 1], texels: Texels::Bytes(vec![texel(left), texel(right)]) };
+    let bitmap = Bitmap::new([2, 1], Texels::Bytes(vec![texel(left), texel(right)]));
     Texture { filter: Filter::Nearest, ..Texture::of(Arc::new(bitmap), Space::Linear) }
 }
 

@@ -15,7 +15,7 @@ const POWER: [f64; 3] = [1.0, 2.0, 0.5];
 /// A square of side 2 at z = 1 that shines down by a picture: its right is +x, its up +y.
 fn shining(b: &mut Build, size: [u32; 2], texels: &[[f64; 3]]) {
     let texel = |t: &[f64; 3]| [t[0], t[1], t[2], 1.0].map(|x| f16::from_f32(x as f32));
-    let bitmap = Bitmap { size, texels: Texels::Halves(texels.iter().map(texel).collect()) };
+    let bitmap = Bitmap::new(size, Texels::Halves(texels.iter().map(texel).collect()));
     let glow = Texture { filter: Filter::Nearest, ..Texture::of(Arc::new(bitmap), Space::Linear) };
     let emission = POWER.map(|x| x as f32);
     let material = Material { emission, emission_texture: Some(glow), ..matte([0.0; 3]) };

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 fn picture(size: [u32; 2], texels: Vec<[u8; 4]>) -> Texture {
-    Texture::of(Arc::new(Bitmap { size, texels: Texels::Bytes(texels) }), Space::Linear)
+    Texture::of(Arc::new(Bitmap::new(size, Texels::Bytes(texels))), Space::Linear)
 }
 
 fn with(relief: Relief, kd: [f32; 3]) -> Material {

@@ -22,8 +22,7 @@ fn sheet(kd: Bands, transmit: Bands) -> Material {
 #[test]
 fn a_sheet_in_the_sun_glows_on_both_sides() {
     let texel = [51u8, 102, 204, 255];
-    let texture =
-        Texture::of(Arc::new(Bitmap { size: [1, 1], texels: Texels::Bytes(vec![texel]) }), Space::Linear);
+    let texture = Texture::of(Arc::new(Bitmap::new([1, 1], Texels::Bytes(vec![texel]))), Space::Linear);
     for (seen_from, to_front) in [(1.0, true), (-1.0, true), (1.0, false), (-1.0, false)] {
         for textured in [false, true] {
             let mut material = sheet(KD, TRANSMIT);

@@ -94,3 +94,63 @@ fn memory_that_is_told_is_kept() {
         assert!(peak > 0.5 * number(&told), "{device}: {peak} bytes, {told} were told");
     }
 }
+
+/// Pictures that do not fit are halved, the largest first, as far as must be, and a warning names them; a render does the same.
+/// A picture that nobody can mean is refused by its size before it is decoded.
+#[test]
+fn pictures_are_made_smaller_to_fit() {
+    let folder = Folder::empty();
+    for (name, side) in [("big.bmp", 1024), ("small.bmp", 256)] {
+        let picture = image::RgbImage::from_fn(side, side, |x, y| image::Rgb([x as u8, y as u8, 90]));
+        picture.save(folder.path(name)).expect("a picture");
+    }
+    let scene = |picture: &str| {
+        format!(
+            "shape = [\n{{ kind = \"rectangle\", material = {{ kd = {{ texture = \"{picture}\" }} }} }},\n\
+             {{ kind = \"cube\", material = {{ kd = {{ texture = \"small.bmp\" }} }} }},\n\
+             {{ kind = \"disc\", center = [0, 3, 0], material = {{ ke = 4 }} }},\n]\n"
+        )
+    };
+    std::fs::write(folder.path("s.toml"), scene("big.bmp")).expect("a scene");
+    let plan = |options: &str| -> Value {
+        let words = format!("plan s.toml --size 16x16 --paths LDE --json {options}");
+        serde_json::from_str(&folder.done(&words).stdout).expect("JSON")
+    };
+    let told = |plan: &Value| -> String {
+        let all = plan["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str);
+        all.filter(|w| w.contains("textures are made smaller")).collect::<Vec<_>>().join("; ")
+    };
+    let full = plan("");
+    let process: f64 = ["program", "scene", "films"].map(|part| number(&full["process"][part])).iter().sum();
+    let need = process + number(&full["bytes"]);
+    let less = |kib: f64| plan(&format!("--memory {}K", (need / 1024.0 - kib).ceil()));
+    assert_eq!((told(&full), told(&less(-16.0))), (String::new(), String::new()));
+    // levels and all, the picture takes 5.3 MiB on the host and on the device: half of its side is 8 MiB less, a quarter 10
+    for (kib, to) in [(64.0, "512 × 512"), (7900.0, "512 × 512"), (8300.0, "256 × 256")] {
+        let wanted = format!("big.bmp from 1024 × 1024 to {to} texels; allow more (--memory)");
+        let words = told(&less(kib));
+        assert!(words.contains(&wanted) && !words.contains("small.bmp"), "{kib} KiB less: {words}");
+    }
+    // what the program and the image take leave no picture but a texel; less is refused with the figure that does
+    let words =
+        format!("plan s.toml --size 16x16 --paths LDE --memory {}K", (need / 1024.0 - 12288.0).ceil());
+    let refused = folder.run(&words);
+    refused.is_refusal(&words, &["the render needs", "--memory"]);
+    let figure =
+        refused.stderr.split_whitespace().find_map(|word| word.parse::<f64>().ok()).expect("a figure");
+    let words = told(&plan(&format!("--memory {}K", (figure / 1024.0).ceil())));
+    assert!(["big.bmp from 1024", "small.bmp from 256"].iter().all(|name| words.contains(name)), "{words}");
+    // reading and packing take five times the picture
+    let ended = folder.done("render s.toml --size 16x16 --passes 1 --device cpu --memory 28M -o a.exr");
+    assert!(ended.stderr.contains("big.bmp from 1024 × 1024 to 512 × 512 texels"), "{}", ended.stderr);
+    // a header and nothing else
+    let bomb: Vec<u8> = [
+        &b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\x01\x86\xa0\0\x01\x86\xa0\x08\x02\0\0\0"[..],
+        &0x2730_9c9f_u32.to_be_bytes(),
+        b"\0\0\0\0IDAT\x35\xaf\x06\x1e",
+    ]
+    .concat();
+    std::fs::write(folder.path("bomb.png"), bomb).expect("a picture");
+    std::fs::write(folder.path("bomb.toml"), scene("bomb.png")).expect("a scene");
+    folder.fails("check bomb.toml", &["bomb.toml:2", "bomb.png", "100000 × 100000 texels", "16384"]);
+}

@@ -106,7 +106,7 @@ pub fn with_facet_board(scene: Scene) -> Scene {
     let mut scene = with_board(scene);
     // red is roughness, green metal
     let grid = [[40, 255, 0, 255], [150, 0, 0, 255], [90, 128, 0, 255], [200, 255, 0, 255]];
-    let bitmap = Arc::new(Bitmap { size: [2; 2], texels: Texels::Bytes(grid.to_vec()) });
+    let bitmap = Arc::new(Bitmap::new([2; 2], Texels::Bytes(grid.to_vec())));
     let texture = Texture { scale: [3.0; 2], ..Texture::of(bitmap, Space::Linear) };
     let map = |channel| NumberMap { texture: texture.clone(), channel, factor: 1.0 };
     for m in &mut scene.materials {
@@ -129,7 +129,7 @@ pub fn with_relief(scene: Scene) -> Scene {
         [byte(0.6 * x), byte(0.5 * y), byte(0.7), byte(0.5 * (x + y))]
     };
     let texels = Texels::Bytes((0..SIDE * SIDE).map(texel).collect());
-    let bitmap = Arc::new(Bitmap { size: [SIDE; 2], texels });
+    let bitmap = Arc::new(Bitmap::new([SIDE; 2], texels));
     let texture = Texture { scale: [2.0; 2], ..Texture::of(bitmap, Space::Linear) };
     for (i, m) in scene.materials.iter_mut().enumerate() {
         m.diffuse_texture = None;
@@ -147,7 +147,7 @@ pub fn with_glow(scene: Scene) -> Scene {
     let mut scene = with_board(scene);
     let grid = [[0.0, 0.0, 0.0], [3.0, 1.0, 0.2], [0.3, 0.5, 2.0], [0.1, 0.0, 0.4]];
     let texel = |[r, g, b]: [f32; 3]| [r, g, b, 1.0].map(f16::from_f32);
-    let bitmap = Arc::new(Bitmap { size: [2; 2], texels: Texels::Halves(grid.map(texel).to_vec()) });
+    let bitmap = Arc::new(Bitmap::new([2; 2], Texels::Halves(grid.map(texel).to_vec())));
     let glow = Texture { scale: [7.0; 2], ..Texture::of(bitmap, Space::Linear) };
     for m in &mut scene.materials {
         m.diffuse_texture = None;
@@ -179,7 +179,7 @@ pub fn of_paper(scene: Scene) -> Scene {
 pub fn with_holes(scene: Scene) -> Scene {
     let mut scene = with_board(scene);
     let grid = [[255, 255, 255, 255], [255, 255, 255, 0], [255, 255, 255, 128], [255, 255, 255, 255]];
-    let bitmap = Arc::new(Bitmap { size: [2; 2], texels: Texels::Bytes(grid.to_vec()) });
+    let bitmap = Arc::new(Bitmap::new([2; 2], Texels::Bytes(grid.to_vec())));
     let holes = Texture { filter: Filter::Nearest, scale: [7.0; 2], ..Texture::of(bitmap, Space::Linear) };
     for m in &mut scene.materials {
         m.diffuse_texture = None;

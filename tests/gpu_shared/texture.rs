@@ -18,7 +18,7 @@ fn picture(size: [u32; 2], halves: bool) -> Arc<Bitmap> {
     } else {
         Texels::Bytes(texels.map(|t| t.map(|x| (x * 256.0) as u8)).collect())
     };
-    Arc::new(Bitmap { size, texels })
+    Arc::new(Bitmap::new(size, texels))
 }
 
 /// Every way to lie on a surface, with pictures of sizes that halve badly.

@@ -1,8 +1,8 @@
 //! Decode: from a picture file to its texels. PNG, JPEG, BMP, TGA, Radiance HDR and OpenEXR.
 
-use super::{Bitmap, Texels, f16};
-use crate::host::files;
+use super::{Bitmap, PictureFile, Texels, f16};
 use crate::host::guard::guarded;
+use crate::host::{files, memory};
 use crate::{Error, Result};
 use exr::prelude as e;
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
@@ -13,8 +13,10 @@ use std::sync::Arc;
 
 /// Texels across and down, at most.
 const SIDE_MOST: u32 = 16_384;
-/// Bytes of memory that a texel takes while it is read, at least: as the file has it, and as it is kept.
+/// Bytes of memory that a texel takes while it is read, at most: as the file has it, and as it is kept …
 const MEMORY_PER_TEXEL: u64 = 32;
+/// … where it has 8 bits a channel.
+const MEMORY_PER_TEXEL_OF_BYTES: u64 = 12;
 /// What a file begins with that is OpenEXR.
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
@@ -35,21 +37,32 @@ pub(super) struct Picture {
 pub(super) fn read(path: &Path) -> Result<Picture> {
     let bytes = files::read(path)?;
     let fail = |what: String| Error::io(path, "read", what);
-    let check = |[width, height]: [u32; 2]| {
+    let check = |[width, height]: [u32; 2], texel: u64| {
         if width == 0 || height == 0 || width.max(height) > SIDE_MOST {
             let what = format!("it has {width} × {height} texels; make it 1 to {SIDE_MOST} across and down");
             return Err(fail(what));
         }
-        files::check_memory(path, u64::from(width) * u64::from(height) * MEMORY_PER_TEXEL)
+        let need = u64::from(width) * u64::from(height) * texel;
+        match memory::allowed() {
+            Some(left) if need > left => Err(fail(format!(
+                "its {width} × {height} texels take {need} bytes of memory, {left} are left; make it smaller, free some or \
+                 allow more (--memory)"
+            ))),
+            _ => Ok(()),
+        }
     };
-    if bytes.starts_with(&EXR_MAGIC) {
-        check(exr_size(&bytes).map_err(fail)?)?;
-        return exr(&bytes).map_err(fail);
-    }
-    let mut decoder = Decoder::of(path, &bytes).map_err(fail)?;
-    check(decoder.size)?;
-    let image = decoder.decode().map_err(fail)?;
-    Ok(kept(image))
+    let mut picture = if bytes.starts_with(&EXR_MAGIC) {
+        check(exr_size(&bytes).map_err(fail)?, MEMORY_PER_TEXEL)?;
+        exr(&bytes).map_err(fail)?
+    } else {
+        let mut decoder = Decoder::of(path, &bytes).map_err(fail)?;
+        check(decoder.size, if decoder.is_of_bytes { MEMORY_PER_TEXEL_OF_BYTES } else { MEMORY_PER_TEXEL })?;
+        kept(decoder.decode().map_err(fail)?)
+    };
+    // nobody else has it yet
+    let bitmap = Arc::make_mut(&mut picture.bitmap);
+    bitmap.file = Some(Arc::new(PictureFile { path: path.to_owned(), size: bitmap.size }));
+    Ok(picture)
 }
 
 /// Says why a picture cannot be read, and what to do.
@@ -60,6 +73,8 @@ fn unreadable(what: &str) -> String {
 /// A decoder of the crate `image`, which knows how large the picture is before it reads it.
 struct Decoder<'a> {
     size: [u32; 2],
+    /// Each channel has 8 bits.
+    is_of_bytes: bool,
     decode: Option<Box<dyn FnOnce() -> Result<DynamicImage, String> + 'a>>,
 }
 
@@ -71,14 +86,16 @@ impl<'a> Decoder<'a> {
         let made = guarded(move || {
             let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
             let mut limits = Limits::default();
-            (limits.max_image_width, limits.max_image_height) = (Some(SIDE_MOST), Some(SIDE_MOST));
+            // a side that is too long is refused by its size
             limits.max_alloc = Some(u64::from(SIDE_MOST) * u64::from(SIDE_MOST) * MEMORY_PER_TEXEL);
             reader.limits(limits);
             reader.into_decoder().map_err(|e| unreadable(&e.to_string())).map(|decoder| {
                 let (width, height) = decoder.dimensions();
+                let colour = decoder.color_type();
+                let is_of_bytes = colour.bytes_per_pixel() == colour.channel_count();
                 let decode =
                     move || DynamicImage::from_decoder(decoder).map_err(|e| unreadable(&e.to_string()));
-                Decoder { size: [width, height], decode: Some(Box::new(decode)) }
+                Decoder { size: [width, height], is_of_bytes, decode: Some(Box::new(decode)) }
             })
         });
         made.map_err(|words| unreadable(&words))?
@@ -94,7 +111,7 @@ impl<'a> Decoder<'a> {
 fn kept(image: DynamicImage) -> Picture {
     let size = [image.width(), image.height()];
     let of = |texels, is_wide, may_be_encoded| Picture {
-        bitmap: Arc::new(Bitmap { size, texels }),
+        bitmap: Arc::new(Bitmap::new(size, texels)),
         is_wide,
         may_be_encoded,
     };
@@ -166,6 +183,6 @@ fn exr(bytes: &[u8]) -> Result<Picture, String> {
     let image = read.and_then(|read| read).map_err(|what| unreadable(&what))?;
     let size = [image.layer_data.size.width() as u32, image.layer_data.size.height() as u32];
     let pixels = image.layer_data.channel_data.pixels;
-    let bitmap = Arc::new(Bitmap { size, texels: Texels::Halves(pixels.texels) });
+    let bitmap = Arc::new(Bitmap::new(size, Texels::Halves(pixels.texels)));
     Ok(Picture { bitmap, is_wide: pixels.is_wide, may_be_encoded: false })
 }

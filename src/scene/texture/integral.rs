@@ -119,7 +119,7 @@ mod tests {
             [if row < SIDE / 2 { 0 } else { (4 * x) as u8 }, 0, 0, 255]
         };
         let texels = Texels::Bytes((0..SIDE * SIDE).map(texel).collect());
-        let texture = Texture::of(Arc::new(Bitmap { size: [SIDE; 2], texels }), Space::Linear);
+        let texture = Texture::of(Arc::new(Bitmap::new([SIDE; 2], texels)), Space::Linear);
         let whole = 4.0 * 63.0 / 255.0;
         for tile in [0.0, 3.0, -2.0] {
             let at = |u: f32, v: f32| [u + tile, v + tile];

@@ -2,11 +2,14 @@
 
 mod decode;
 pub(crate) mod entry;
+pub mod fit;
 mod integral;
+pub(crate) mod levels;
 pub(crate) mod stated;
 pub(crate) mod store;
 
 pub use half::f16;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Texels of a picture, row by row from the top: red, green, blue and opacity.
@@ -18,17 +21,27 @@ pub enum Texels {
     Halves(Vec<[f16; 4]>),
 }
 
-/// A picture as it was read.
+/// A picture as it was read, or smaller.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bitmap {
     /// Texels across and down; at least one each.
     pub size: [u32; 2],
     /// All of them.
     pub texels: Texels,
+    /// Where it was read; none where it was not.
+    pub(crate) file: Option<Arc<PictureFile>>,
+}
+
+/// A file of a picture.
+#[derive(Debug, PartialEq)]
+pub(crate) struct PictureFile {
+    pub(crate) path: PathBuf,
+    /// Texels across and down, as they are there.
+    pub(crate) size: [u32; 2],
 }
 
 /// How the red, green and blue of a texel in 8 or 16 bits are meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Space {
     /// Encoded by the curve of sRGB.
     Srgb,
@@ -145,10 +158,24 @@ pub struct Opacity {
 }
 
 impl Bitmap {
+    /// So many texels across and down.
+    pub fn new(size: [u32; 2], texels: Texels) -> Self {
+        Self { size, texels, file: None }
+    }
+
+    /// Bytes of its texels.
+    pub(crate) fn bytes(&self) -> u64 {
+        let bytes = match &self.texels {
+            Texels::Bytes(texels) => size_of_val(&texels[..]),
+            Texels::Halves(texels) => size_of_val(&texels[..]),
+        };
+        bytes as u64
+    }
+
     /// A board of two by two squares: the first colour at the lower left and the upper right.
     pub fn board([a, b]: [[f32; 3]; 2]) -> Self {
         let [a, b] = [a, b].map(|[r, g, b]| [r, g, b, 1.0].map(f16::from_f32));
-        Self { size: [2; 2], texels: Texels::Halves(vec![b, a, a, b]) }
+        Self::new([2; 2], Texels::Halves(vec![b, a, a, b]))
     }
 
     /// True where its texels look like normals and not like heights: coloured, and about the blue of what faces straight up.
@@ -160,7 +187,7 @@ impl Bitmap {
 
     /// One white texel.
     pub fn white() -> Self {
-        Self { size: [1; 2], texels: Texels::Bytes(vec![[255; 4]]) }
+        Self::new([1; 2], Texels::Bytes(vec![[255; 4]]))
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::decode::{self, Picture};
 use super::stated::{Source, StatedTexture};
-use super::{Bitmap, NumberMap, Space, Texels, Texture, f16};
+use super::{Bitmap, NumberMap, Space, Texels, Texture, f16, fit};
+use crate::scene::Material;
 use crate::scene::finder::Finder;
 use crate::scene::warnings::{Named, Warnings};
 use crate::{Error, Result};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a texture is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Role {
     /// Colour: its red, green and blue.
     Colour,
@@ -54,6 +55,32 @@ pub(crate) struct Store {
     boards: Vec<Arc<Bitmap>>,
     /// Their files, in the order in which they were read.
     pub(crate) files: Vec<PathBuf>,
+}
+
+impl Store {
+    /// Make pictures smaller until all that were read take at most so many bytes: here, and on these materials.
+    pub(crate) fn make_room(&mut self, most: u64, materials: &mut [Material]) {
+        let mut derived: Vec<(&Key, &Arc<Bitmap>)> = self.derived.iter().collect();
+        derived.sort_by_key(|(key, _)| *key);
+        let read = self.files.iter().filter_map(|path| self.read.get(path)?.as_ref().ok());
+        let all = read.map(|picture| &picture.bitmap).chain(derived.into_iter().map(|(_, bitmap)| bitmap));
+        if all.clone().map(|bitmap| bitmap.bytes()).sum::<u64>() <= most {
+            return;
+        }
+        let spaces: HashMap<usize, Space> = fit::pictures(materials)
+            .into_iter()
+            .map(|(bitmap, space)| (fit::address(bitmap), space))
+            .collect();
+        let space = |bitmap| spaces.get(&fit::address(bitmap)).copied().unwrap_or(Space::Srgb);
+        let by = fit::smaller(all.map(|bitmap| (bitmap, space(bitmap))), most);
+        let read = self.read.values_mut().filter_map(|read| read.as_mut().ok());
+        for bitmap in read.map(|picture| &mut picture.bitmap).chain(self.derived.values_mut()) {
+            if let Some(smaller) = by.get(&fit::address(bitmap)) {
+                *bitmap = smaller.clone();
+            }
+        }
+        fit::replace(materials, &by);
+    }
 }
 
 impl Store {
@@ -210,5 +237,5 @@ fn derived(bitmap: &Bitmap, role: Role, [base, gain]: [f32; 2], encoded: Space) 
             )
         }
     };
-    Bitmap { size: bitmap.size, texels }
+    Bitmap { size: bitmap.size, texels, file: bitmap.file.clone() }
 }
