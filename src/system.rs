@@ -30,6 +30,29 @@ pub(crate) fn limit_software_devices(threads: u16) {
     }
 }
 
+/// Let all threads allocate from one heap: what a software device has used to compile a kernel is free for the next one then,
+/// whichever thread compiles it. Call it before any other thread runs; those that have a heap of their own keep it.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub(crate) fn share_heap() {
+    // SAFETY: it sets a number of the allocator, under its lock; where it does not know it, nothing happens.
+    unsafe { libc::mallopt(libc::M_ARENA_MAX, 1) };
+}
+
+/// Other allocators are left as they are.
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub(crate) fn share_heap() {}
+
+/// Give the pages of all heaps back that nothing lies in.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub(crate) fn give_back() {
+    // SAFETY: the allocator does it under its lock; what is in use stays where it is.
+    unsafe { libc::malloc_trim(0) };
+}
+
+/// Other allocators are left as they are.
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub(crate) fn give_back() {}
+
 /// Let `install` set handlers for signals; those that were ignored before, as `nohup` and shells do for programs in the
 /// background, are ignored again.
 #[cfg(unix)]

@@ -86,6 +86,15 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
             print(panic);
         }
     }));
+    let on_device = match &arguments.command {
+        Command::Render(a) => a.device != "cpu",
+        Command::Resume(_) => true,
+        _ => false,
+    };
+    if on_device {
+        system::share_heap();
+        joton::host::memory::set_give_back(system::give_back);
+    }
     if let Some(threads) = arguments.threads {
         system::limit_software_devices(threads);
         // a pool that is there already has threads enough

@@ -30,7 +30,7 @@ const LINE_BYTES: u64 = 2 * 48;
 /// Bytes of a pixel of a layer that is resolved: its first half, and what came of it.
 const RESOLVED_BYTES: u64 = 24 + 12;
 /// Rows that a sweep over the image holds.
-const SWEPT_ROWS: u64 = 416;
+const SWEPT_ROWS: u64 = 464;
 /// Bytes of a pixel of these: what it shows, blocks of all sizes, and what neighbours tell.
 const SWEPT_BYTES: u64 = 66 + 30 + 12;
 /// Bytes of a layer of it, as pixels and blocks have it.
@@ -57,9 +57,13 @@ const PIXELS_MAX: u64 = 1 << 28;
 pub struct FilmNeeds {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Layers that hold light: where one is black none is taken.
+    /// Layers of light on surfaces: where one is black none is taken.
     pub layers: usize,
-    /// Those of them that are resolved.
+    /// Pixels that can show emission.
+    pub emission: u64,
+    /// Pixels that can rest.
+    pub resting: u64,
+    /// Layers that are resolved.
     pub resolved: usize,
     /// Camera trees look through mirrors and glass.
     pub has_trees: bool,
@@ -79,16 +83,18 @@ impl FilmNeeds {
         let pixels = width * height;
         let trees = if self.has_trees { TREE_BYTES } else { 0 };
         let exact = if self.is_part { EXACT_BYTES * (layers + resolved) } else { 0 };
-        let each = REST_BYTES + trees + LAYER_BYTES * layers + RESOLVED_BYTES * resolved + exact;
+        let each = trees + LAYER_BYTES * layers + RESOLVED_BYTES * resolved + exact;
+        let exact = if self.is_part { EXACT_BYTES } else { 0 };
+        let dark = self.emission * (LAYER_BYTES + exact) + self.resting * REST_BYTES;
         let samples = sample_count(self.size) * (SAMPLE_BYTES + if self.has_maps { LINE_BYTES } else { 0 });
         let swept = if resolved > 0 { self.swept([width, height]) } else { 0 };
         // the picture has a layer more
-        let batch = pixels * BATCH_BYTES * (layers + 1);
+        let batch = BATCH_BYTES * (pixels * (layers + 1) + self.emission);
         // red, green and blue are finished before the others begin, and are held
         let pictures = (1 + LAYERS as u64 + resolved) * size_of::<Bands>() as u64;
         let bands = pictures + LEFT_BYTES + MEASURED_BYTES * self.measured as u64;
         let finished = if self.measured > 0 { bands } else { 0 };
-        pixels.saturating_mul(each + finished) + samples + swept.max(batch)
+        pixels.saturating_mul(each + finished) + dark + samples + swept.max(batch)
     }
 
     /// Bytes of the rows that are held while light is shared.
@@ -112,10 +118,13 @@ fn sample_count(size: [u32; 2]) -> u64 {
 /// # Errors
 /// [`Error::Capacity`] with need and limit.
 pub fn check_memory(size: [u32; 2], is_part: bool, measured: usize) -> Result<()> {
+    let pixels = size.map(u64::from).iter().product();
     let bytes = |measured| {
         let needs = FilmNeeds {
             size,
-            layers: LAYERS,
+            layers: Layer::ON_SURFACES.len(),
+            emission: pixels,
+            resting: pixels,
             resolved: 0,
             has_trees: false,
             has_maps: true,

@@ -1,5 +1,6 @@
 //! Memory: what this process has used and may still ask for, as far as the system tells (Linux).
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Bytes that this process may take, as its user said.
@@ -21,6 +22,21 @@ pub(crate) fn allowed() -> Option<u64> {
     let taken = || kib_of("/proc/self/status", "VmRSS:").unwrap_or(0);
     let left = limit().map(|bytes| bytes.saturating_sub(taken()));
     [available(), left].into_iter().flatten().min()
+}
+
+/// Gives what is free back to the system.
+static GIVE_BACK: OnceLock<fn()> = OnceLock::new();
+
+/// How memory that is free is given back to the system, where the program knows how.
+pub fn set_give_back(give_back: fn()) {
+    GIVE_BACK.set(give_back).ok();
+}
+
+/// Give memory that is free back to the system: after a driver has compiled a kernel.
+pub(crate) fn give_back() {
+    if let Some(give_back) = GIVE_BACK.get() {
+        give_back();
+    }
 }
 
 /// Largest resident set of this process so far, bytes.

@@ -181,7 +181,7 @@ impl<'a> BufferPlan<'a> {
 
     /// Bytes of the films of the host, at most.
     pub fn host_bytes(&self) -> u64 {
-        self.plan.films(self.scene.size).bytes()
+        self.plan.films(self.scene).bytes()
     }
 
     /// Check that so many free bytes hold the buffers of a device whose memory is the host's, and what the host needs itself. How

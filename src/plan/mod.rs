@@ -8,6 +8,7 @@ pub mod grid;
 mod guiding;
 mod in_bands;
 pub mod kernels;
+mod lamps_seen;
 pub mod map_layout;
 pub mod model;
 mod pilot;

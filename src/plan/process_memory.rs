@@ -1,14 +1,14 @@
 //! Process memory: what a render takes beside the buffers of a device, and what a limit on all of it leaves for these.
 
-use super::Plan;
+use super::{Features, Plan, lamps_seen};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
 use crate::film::{FilmNeeds, Layer};
-use crate::packed::PackedScene;
+use crate::packed::{EmitterKind, PackedScene};
 use serde::Serialize;
 
 /// Bytes of the program and its runtime.
-const PROGRAM: u64 = 16 << 20;
+const PROGRAM: u64 = 20 << 20;
 /// Bytes more with a device: its driver and the kernels that it compiled, measured with Mesa's software Vulkan.
 const DRIVER: u64 = 144 << 20;
 /// Bytes that a driver takes for the code of microfacets and textures, likewise.
@@ -40,18 +40,13 @@ impl ProcessMemory {
     /// Of a plan for a scene.
     pub fn of(scene: &PackedScene, plan: &Plan, place: Place) -> Self {
         let jotons: u64 = MapKind::ALL.into_iter().map(|kind| u64::from(plan.jotons(kind))).sum();
+        let Features { facets, textures, cutouts, .. } = plan.features;
+        let more = if facets || textures || cutouts { DRIVER_OF_MORE } else { 0 };
         let (driver, jotons) = match place {
             Place::Cpu => (0, jotons * JOTON),
-            Place::Device if plan.features.facets || plan.features.textures || plan.features.cutouts => {
-                (DRIVER + DRIVER_OF_MORE, 0)
-            }
-            Place::Device => (DRIVER, 0),
+            Place::Device => (DRIVER + more, 0),
         };
-        Self {
-            program: PROGRAM + driver,
-            scene: scene.bytes() + jotons,
-            films: plan.films(scene.size).bytes(),
-        }
+        Self { program: PROGRAM + driver, scene: scene.bytes() + jotons, films: plan.films(scene).bytes() }
     }
 
     /// All of it.
@@ -61,11 +56,16 @@ impl ProcessMemory {
 }
 
 impl Plan {
-    /// What films an image of this size takes.
-    pub fn films(&self, size: [u32; 2]) -> FilmNeeds {
+    /// What films of an image take.
+    pub fn films(&self, scene: &PackedScene) -> FilmNeeds {
+        let emission = if self.traces(Layer::Emission) { lamps_seen::pixels(scene) } else { 0 };
+        // what a sun shines on is as bright everywhere
+        let has_sun = scene.emitters.iter().any(|e| e.kind() == EmitterKind::Sun);
         FilmNeeds {
-            size,
-            layers: Layer::ALL.into_iter().filter(|layer| self.traces(*layer)).count(),
+            size: scene.size,
+            layers: Layer::ON_SURFACES.into_iter().filter(|layer| self.traces(*layer)).count(),
+            emission,
+            resting: if has_sun { scene.pixels() as u64 } else { emission },
             resolved: self.resolved_layers().len(),
             has_trees: self.has_specular_bodies(),
             has_maps: MapKind::ALL.into_iter().any(|kind| self.has_map(kind)),

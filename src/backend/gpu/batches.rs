@@ -7,6 +7,7 @@ use super::{BATCH_TRIES, DISPATCHES_MAX, GpuBackend, check_traversal, films};
 use crate::backend::{Batch, HostWork, Tally};
 use crate::error::{Error, Result};
 use crate::estimators::maps::MapKind;
+use crate::host::memory;
 use crate::packed::layout::{LaneTally, status};
 use crate::plan::map_layout::{MapLayout, roomy};
 use crate::spectrum::BANDS;
@@ -134,6 +135,10 @@ impl GpuBackend {
         let begin = begin.unwrap_or_else(Instant::now);
         if let (Some(timer), Some(timed)) = (&mut self.timer, timed) {
             timer.add(&self.context, timed, submission)?;
+        }
+        if first == 0 {
+            // the last kernels are compiled
+            memory::give_back();
         }
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&counted[0]);
         let mut tally = Tally::default();

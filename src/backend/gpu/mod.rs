@@ -34,6 +34,7 @@ use crate::estimators::maps::MapKind;
 use crate::estimators::split_paths::SplitPaths;
 use crate::film::tile_schedule::TileSchedule;
 use crate::film::{LAYERS, Layer};
+use crate::host::memory;
 use crate::packed::PackedScene;
 use crate::packed::constants::{TILE, TRAVERSAL_STACK};
 use crate::packed::layout::{MapInfo, PassInfo, status};
@@ -140,6 +141,7 @@ impl GpuBackend {
         };
         backend.run_pilot()?;
         drop(precompiler);
+        memory::give_back();
         Ok(backend)
     }
 
@@ -263,12 +265,13 @@ impl GpuBackend {
     }
 
     /// Put the bands of a pass on the device, where they differ from pass to pass. What was submitted before has its own.
-    fn set_bands(&mut self, pass: u64) {
+    fn set_bands(&mut self, pass: u64) -> Result<()> {
         if let Some(in_bands) = InBands::of(&self.scene, &self.plan, pass) {
-            scene_buffers::write_in_bands(&self.context, &self.buffers, &self.plan, &in_bands);
+            scene_buffers::write_in_bands(&self.context, &self.buffers, &self.plan, &in_bands)?;
             self.to_rgb = in_bands.bands.to_rgb;
             self.of_texel = in_bands.bands.of_texel;
         }
+        Ok(())
     }
 
     /// Record one pass after what was recorded; submit that and more where needed.
@@ -282,7 +285,7 @@ impl GpuBackend {
             self.host.add(HostWork::Lists, begin.elapsed());
         }
         let begin = Instant::now();
-        self.set_bands(pass);
+        self.set_bands(pass)?;
         self.host.add(HostWork::Lists, begin.elapsed());
         if self.strips.count() > 1 {
             self.context.submit(before);

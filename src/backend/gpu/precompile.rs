@@ -6,6 +6,7 @@ use super::kernel::{Kernel, Recipe};
 use super::pipelines::Kernels;
 use super::recorder::Recorder;
 use super::ring::Ring;
+use crate::host::memory;
 use crate::packed::layout::{MapInfo, PassInfo};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -40,6 +41,7 @@ impl Precompiler {
             for (i, recipe) in recipes.iter().enumerate() {
                 let begin = Instant::now();
                 let compiled = recipe.cook(&context).and_then(|kernel| run_on_nothing(&context, &kernel));
+                memory::give_back();
                 let is_warm = i == 0 && begin.elapsed() < WARM;
                 if is_warm || compiled.is_err() || stopped.load(Ordering::SeqCst) {
                     break;

@@ -63,19 +63,27 @@ pub(super) fn upload(context: &Context, scene: &PackedScene, plan: &Plan) -> Res
     }
     let heap = HeapWriter::new(context, &buffers);
     for (first, section) in layout.sections(scene, own_lists(emitters, numbers)) {
-        heap.write(first, &section);
+        heap.write(first, &section)?;
     }
     context.check()?;
     Ok(buffers)
 }
 
 /// Write what depends on the bands of a pass, for whatever is submitted next.
-pub(super) fn write_in_bands(context: &Context, buffers: &Buffers, plan: &Plan, in_bands: &InBands) {
+///
+/// # Errors
+/// [`Error::Device`] where the device fails.
+pub(super) fn write_in_bands(
+    context: &Context,
+    buffers: &Buffers,
+    plan: &Plan,
+    in_bands: &InBands,
+) -> Result<()> {
     let InBands { scene, guides, .. } = in_bands;
     let (emitters, numbers) = (lists(scene, guides), list_numbers(plan));
     let heap = HeapWriter::new(context, buffers);
     for (first, section) in heap_layout(scene, plan).in_bands(scene, own_lists(emitters, numbers)) {
-        heap.write(first, section);
+        heap.write(first, section)?;
     }
     let small = SMALL_EMITTER_LISTS.into_iter().zip(emitters.map(bytemuck::cast_slice));
     for (name, content) in small.chain([("materials", bytemuck::cast_slice(&scene.materials))]) {
@@ -83,6 +91,7 @@ pub(super) fn write_in_bands(context: &Context, buffers: &Buffers, plan: &Plan, 
             context.queue.write_buffer(buffer, 0, content);
         }
     }
+    Ok(())
 }
 
 /// The emitters that kernels pick from, in the order of [`SCENE_INFOS`].
@@ -96,6 +105,9 @@ fn own_lists(lists: [&[PackedEmitter]; 4], numbers: [usize; 4]) -> Vec<&[PackedE
     let is_own = |&(i, _): &(usize, _)| i == 0 || numbers[i] > 0;
     lists.into_iter().enumerate().filter(is_own).map(|(_, list)| list).collect()
 }
+
+/// Bytes of the heap that are handed over at a time: the device holds a copy until they are written.
+const WRITTEN_AT_ONCE: u64 = 16 << 20;
 
 /// Writes sections of the heap, whether it lies in one buffer or in several.
 struct HeapWriter<'a> {
@@ -113,18 +125,26 @@ impl<'a> HeapWriter<'a> {
     }
 
     /// Write a section from word `first` on.
-    fn write(&self, first: u32, section: &[u8]) {
+    ///
+    /// # Errors
+    /// [`Error::Device`] where the device fails.
+    fn write(&self, first: u32, section: &[u8]) -> Result<()> {
         let mut rest = section;
         let mut at = u64::from(first) * HEAP_WORD;
         while !rest.is_empty() {
             // the last part has all the rest
             let number = (at / self.part_bytes).min(self.parts.len() as u64 - 1);
             let (part, from) = (self.parts[number as usize], at - number * self.part_bytes);
-            let here = (part.size() - from).min(rest.len() as u64);
+            let here = (part.size() - from).min(rest.len() as u64).min(WRITTEN_AT_ONCE);
             self.context.queue.write_buffer(part, from, &rest[..here as usize]);
             rest = &rest[here as usize..];
             at += here;
+            if !rest.is_empty() {
+                self.context.submit(self.context.encoder());
+                self.context.wait()?;
+            }
         }
+        Ok(())
     }
 }
 
