@@ -81,7 +81,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     let host_bytes = needs.host_bytes();
     let [process, on_cpu] = [Place::Device, Place::Cpu].map(|place| ProcessMemory::of(&packed, plan, place));
     let peak = |rendering: u64| rendering.max(setup_bytes.unwrap_or(0));
-    let [peak, peak_on_cpu] = [peak(process.total() + bytes), peak(on_cpu.total())];
+    let [peak, peak_on_cpu] = [peak((process.total() + bytes).max(process.compiling)), peak(on_cpu.total())];
     let per_pixel = [host_bytes as f64 / packed.pixels() as f64, needs.bytes_per_pixel()];
     let scale = packed.world_scale;
     let layers: Vec<&str> = Layer::ALL.into_iter().filter(|&l| plan.traces(l)).map(Layer::name).collect();

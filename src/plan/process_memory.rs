@@ -13,6 +13,9 @@ const PROGRAM: u64 = 20 << 20;
 const DRIVER: u64 = 144 << 20;
 /// Bytes that a driver takes for the code of microfacets and textures, likewise.
 const DRIVER_OF_MORE: u64 = 110 << 20;
+/// Bytes of program and driver while kernels are compiled that no cache has: of a scene without glass and mirrors, and of one
+/// with some; measured likewise, an image of 64 × 64 included. Small images take no more than that.
+const COMPILING: [u64; 2] = [216 << 20, 300 << 20];
 /// Bytes on the CPU for each joton that is emitted in a pass: it is stored a few times, and sorted.
 const JOTON: u64 = 256;
 
@@ -32,6 +35,8 @@ pub struct ProcessMemory {
     pub program: u64,
     /// Triangles and their hierarchy, and the jotons of a pass on the CPU.
     pub scene: u64,
+    /// Bytes that are taken in any case while kernels are compiled.
+    pub compiling: u64,
     /// Sums of the passes, error estimate, sharing among neighbours, the picture and its files.
     pub films: u64,
 }
@@ -42,11 +47,18 @@ impl ProcessMemory {
         let jotons: u64 = MapKind::ALL.into_iter().map(|kind| u64::from(plan.jotons(kind))).sum();
         let Features { facets, textures, cutouts, .. } = plan.features;
         let more = if facets || textures || cutouts { DRIVER_OF_MORE } else { 0 };
-        let (driver, jotons) = match place {
-            Place::Cpu => (0, jotons * JOTON),
-            Place::Device => (DRIVER + more, 0),
+        let compiling = COMPILING[usize::from(plan.has_specular_bodies())] + more;
+        let (driver, jotons, compiling) = match place {
+            Place::Cpu => (0, jotons * JOTON, 0),
+            // the device has the scene by then
+            Place::Device => (DRIVER + more, 0, compiling + 2 * scene.bytes()),
         };
-        Self { program: PROGRAM + driver, scene: scene.bytes() + jotons, films: plan.films(scene).bytes() }
+        Self {
+            program: PROGRAM + driver,
+            scene: scene.bytes() + jotons,
+            compiling,
+            films: plan.films(scene).bytes(),
+        }
     }
 
     /// All of it.
