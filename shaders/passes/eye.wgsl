@@ -95,7 +95,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if choice < stop {
             let albedo = kept_albedo(b.material);
             point = GatherPoint(
-                s.position + b.geometric * s.lift, gather_surface(s.material, events, b.from_front, is_translucent(b.material)),
+                s.position + b.geometric * s.lift, gather_surface(b.number, events, b.from_front, is_translucent(b.material)),
                 throughput * (kept / stop), path_length,
                 encode_direction(b.geometric), encode_direction(b.shading), encode_direction(-direction), level,
                 albedo.x, albedo.y, b.before, kept_facets(b.material, s.lift),

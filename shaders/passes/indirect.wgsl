@@ -75,8 +75,8 @@ fn caustic_light(r: Receiver, front: vec3<f32>, path_length: f32, accepted: u32,
         if turn == 0u {
             before = steps;
         }
-        // most discs hold nothing that is worth a measured area
-        if turn > 0u || max_band(sum) <= 0.0 {
+        // most discs hold nothing that is worth a measured area, and in a body of many triangles a path meets too many of them
+        if turn > 0u || max_band(sum) <= 0.0 || (HAS_MIXTURES && disc_steps > PATH_STEPS / 2u) {
             break;
         }
         disc = true_disc(DiscPlace(r.origin, r.geometric, front), radius, false);

@@ -24,6 +24,8 @@ override HAS_FACETS: bool = true;
 override HAS_ANISOTROPY: bool = true;
 // Some material has layers.
 override HAS_LAYERS: bool = true;
+// Some surface is glass in part.
+override HAS_MIXTURES: bool = true;
 // What the bands are differs from pass to pass.
 override HAS_WAVELENGTHS: bool = true;
 // Some dielectric has an index that differs between the bands.

@@ -5,6 +5,7 @@
 // import: shading/brushed_way.wgsl
 // import: shading/lobes.wgsl
 // import: shading/media.wgsl
+// import: shading/mixture.wgsl
 
 struct Bsdf {
     material: PackedMaterial,
@@ -20,12 +21,15 @@ struct Bsdf {
     // The bodies before the surface and beyond it [E44].
     before: u32,
     beyond: u32,
+    // Number of the material.
+    number: u32,
 }
 
 // To who comes in these bodies, and sees so wide a part of the surface at once, internal units; 0 sees textures as fine as they are.
 fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32, inside: u32) -> Bsdf {
-    var m = resolved_material(s.material, s.texture.uv, width * s.texture.per_unit);
     let from_front = dot(direction, s.front) < 0.0;
+    let met = met_at(s, direction, from_front, inside);
+    var m = resolved_material(met.material, s.texture.uv, width * s.texture.per_unit, met.glass);
     let geometric = s.front * select(-1.0, 1.0, from_front);
     var shading = facing_normal(s, direction, geometric);
     if has_relief(m) {
@@ -40,7 +44,7 @@ fn bsdf_at(s: Surface, direction: vec3<f32>, width: f32, inside: u32) -> Bsdf {
     let beyond = inside_beyond(before, m, from_front);
     m = boundary_between(m, from_front, before, beyond);
     let at = at_angle(m, shading, direction, from_front);
-    return Bsdf(m, direction, from_front, geometric, shading, at, Bands(1.0), before, beyond);
+    return Bsdf(m, direction, from_front, geometric, shading, at, Bands(1.0), before, beyond, met.material);
 }
 
 // The bodies in which light is that left by a lobe.

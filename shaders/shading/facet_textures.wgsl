@@ -57,8 +57,8 @@ fn with_facets(varied: PackedMaterial, kept: u32) -> PackedMaterial {
     return m;
 }
 
-// The material at texture coordinates, to who sees so much of these at once.
-fn varied_material(m: PackedMaterial, uv: vec2<f32>, width: f32) -> PackedMaterial {
+// The material at texture coordinates, to who sees so much of these at once; of a surface of which so much is glass.
+fn varied_material(m: PackedMaterial, uv: vec2<f32>, width: f32, glass: f32) -> PackedMaterial {
     var alpha = m.alpha;
     var metallic = m.metallic;
     let of_roughness = m.facet_textures & ROUGHNESS_TEXTURE;
@@ -69,6 +69,10 @@ fn varied_material(m: PackedMaterial, uv: vec2<f32>, width: f32) -> PackedMateri
     let of_metal = m.facet_textures >> METALLIC_SHIFT;
     if of_metal != 0u {
         metallic = min(1.0, texture_number(of_metal - 1u, uv, width));
+    }
+    if HAS_MIXTURES && (m.flag_bits & MIXED) != 0u {
+        // what is stated is of all of the surface
+        metallic = select(min(1.0, metallic / (1.0 - glass)), 0.0, glass >= 1.0);
     }
     if is_anisotropic(m) {
         // as a gather point keeps it, so that both have the same lobes

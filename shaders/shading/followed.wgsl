@@ -50,7 +50,7 @@ fn followed_from(b: Bsdf, w: vec3<f32>) -> Followed {
     if is_rough_interface(m) {
         let lobe = select(LOBE_REFLECTION, LOBE_TRANSMISSION, is_across);
         let pdf = pdf_delta_at(b, lobe, w);
-        let eta_it = select(1.0, eta_across(m.ior, b.from_front), is_across);
+        let eta_it = select(1.0, relative_index(m, b.from_front), is_across);
         let weight = rough_weight(m, is_across, b.direction, b.shading, b.from_front, w);
         return Followed(lobe, albedo_at(b, lobe) * weight * (pdf * eta_it * eta_it), pdf);
     }

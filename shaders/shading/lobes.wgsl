@@ -387,7 +387,7 @@ fn sample_delta(
     if is_rough_interface(m) {
         let transmits = lobe == LOBE_TRANSMISSION;
         let sample = rough_sample(m, transmits, direction, geometric, n, from_front, u);
-        let eta_it = eta_across(m.ior, from_front);
+        let eta_it = relative_index(m, from_front);
         return LobeSample(sample.direction, sample.weight, select(1.0, eta_it * eta_it, transmits));
     }
     if HAS_DIELECTRIC && lobe == LOBE_TRANSMISSION {

@@ -24,21 +24,25 @@ fn texel_bands(texel: vec4<f32>) -> Bands {
     return bands_of_four(texel.x * pass_info.texel_red + texel.y * pass_info.texel_green + texel.z * pass_info.texel_blue);
 }
 
-// At texture coordinates, to who sees so much of these at once [E37].
-fn resolved_material(index: u32, uv: vec2<f32>, width: f32) -> PackedMaterial {
+// At texture coordinates, to who sees so much of these at once [E37]. Where it is the rest of what is glass in part, so much of the
+// surface is glass.
+fn resolved_material(index: u32, uv: vec2<f32>, width: f32, glass: f32) -> PackedMaterial {
     var m = material_at(index);
     if is_textured(m) {
         let texel = texel_bands(texture_lookup((m.textures & COLOUR_TEXTURE) - 1u, uv, width));
         m.diffuse *= texel;
         if is_translucent(m) {
             m.transmission *= texel;
+        } else if HAS_DIELECTRIC && (m.flag_bits & DIELECTRIC) != 0u {
+            // a body is passed by two faces
+            m.transmission *= select(sqrt(max(texel, Bands(0.0))), texel, (m.flag_bits & THIN) != 0u);
         }
     }
     if HAS_GLOW && (m.relief_texture >> EMISSION_SHIFT) != 0u {
         m.emission *= texel_bands(texture_lookup((m.relief_texture >> EMISSION_SHIFT) - 1u, uv, width));
     }
     if is_varied(m) {
-        m = varied_material(m, uv, width);
+        m = varied_material(m, uv, width, glass);
     }
     return m;
 }

@@ -112,9 +112,15 @@ fn medium_of(body: u32) -> Medium {
     return Medium(m.ior, m.iors, (m.flag_bits & DISPERSIVE) != 0u);
 }
 
+// True where the medium stays: priorities say so.
+fn is_no_boundary(m: PackedMaterial, before: u32, beyond: u32) -> bool {
+    return body_of(m) != 0u && has_priorities() && (before & BODY_MASK) == (beyond & BODY_MASK);
+}
+
 // A boundary as it is between the media that meet at it. Where the medium stays it is none: a pane of the index of air.
 fn boundary_between(m: PackedMaterial, from_front: bool, before: u32, beyond: u32) -> PackedMaterial {
-    if body_of(m) == 0u || !has_priorities() {
+    // what of a boundary is opaque is what it says
+    if body_of(m) == 0u || !has_priorities() || (HAS_MIXTURES && (m.flag_bits & DIELECTRIC) == 0u) {
         return m;
     }
     var boundary = m;

@@ -13,7 +13,7 @@ fn with_facets(m: PackedMaterial, kept: u32) -> PackedMaterial {
     return m;
 }
 
-fn varied_material(m: PackedMaterial, uv: vec2<f32>, width: f32) -> PackedMaterial {
+fn varied_material(m: PackedMaterial, uv: vec2<f32>, width: f32, glass: f32) -> PackedMaterial {
     return m;
 }
 

@@ -51,10 +51,6 @@ fn microfacet_weight(m: PackedMaterial, tint: Bands, n: vec3<f32>, wi: vec3<f32>
     return Bands(0.0);
 }
 
-fn eta_across(ior: f32, from_front: bool) -> f32 {
-    return ior;
-}
-
 fn rough_reflectance(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from_front: bool) -> Bands {
     return Bands(0.0);
 }

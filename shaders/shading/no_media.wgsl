@@ -19,6 +19,10 @@ fn inside_beyond(before: u32, m: PackedMaterial, from_front: bool) -> u32 {
     return before;
 }
 
+fn is_no_boundary(m: PackedMaterial, before: u32, beyond: u32) -> bool {
+    return false;
+}
+
 fn boundary_between(m: PackedMaterial, from_front: bool, before: u32, beyond: u32) -> PackedMaterial {
     return m;
 }

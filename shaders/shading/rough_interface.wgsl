@@ -1,4 +1,5 @@
-// A rough interface of two dielectrics: it reflects and transmits at microfacets [E43] (Walter et al. 2007). Both lobes are followed.
+// A rough interface of two dielectrics: it reflects and transmits at microfacets [E43] (Walter et al. 2007), and rough panes without
+// thickness [E58]. Both lobes are followed.
 // Twin: src/optics/shading/rough_interface.rs.
 // import: shading/microfacet.wgsl
 
@@ -6,9 +7,22 @@ fn is_rough_interface(m: PackedMaterial) -> bool {
     return HAS_DIELECTRIC && has_facets(m) && is_dielectric(m);
 }
 
-// Index of the ray's side over the other's, by one index of the body.
-fn eta_across(ior: f32, from_front: bool) -> f32 {
-    return select(ior, 1.0 / ior, from_front);
+// True where light is bent: what goes through a pane is the mirror image, about the sheet, of what facets reflect.
+fn is_bent(m: PackedMaterial, transmits: bool) -> bool {
+    return transmits && !is_thin(m);
+}
+
+// The mirror image of a direction about the plane of a normal.
+fn mirrored_in(n: vec3<f32>, w: vec3<f32>) -> vec3<f32> {
+    return w - 2.0 * dot(w, n) * n;
+}
+
+// The direction in which facets reflect what leaves in w; w itself where light is bent.
+fn unfolded(m: PackedMaterial, transmits: bool, n: vec3<f32>, w: vec3<f32>) -> vec3<f32> {
+    if transmits && is_thin(m) {
+        return mirrored_in(n, w);
+    }
+    return w;
 }
 
 // About what is reflected: by a facet that lies flat, per band; neither way is ever without a share.
@@ -21,12 +35,14 @@ fn rough_reflectance(m: PackedMaterial, n: vec3<f32>, direction: vec3<f32>, from
 fn rough_facet(m: PackedMaterial, cos_h: f32, from_front: bool) -> Bands {
     if is_dispersive(m) {
         var reflectance = Bands(0.0);
+        var one = m;
         for (var band = 0u; band < BANDS; band += 1u) {
-            reflectance[band] = fresnel(cos_h, 1.0 / eta_across(m.iors[band], from_front));
+            one.ior = m.iors[band];
+            reflectance[band] = reflectance_of_one(one, cos_h, from_front);
         }
         return reflectance;
     }
-    return Bands(fresnel(cos_h, 1.0 / eta_across(m.ior, from_front)));
+    return Bands(reflectance_of_one(m, cos_h, from_front));
 }
 
 // The normal of the facet that sends light between the ray and w, on the ray's side; w its length before it was made one.
@@ -34,7 +50,7 @@ fn rough_facet_normal(
     m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
 ) -> vec4<f32> {
     // of refraction tangential parts add up to nothing
-    let sum = select(w - direction, direction * eta_across(m.ior, from_front) - w, transmits);
+    let sum = select(w - direction, direction * relative_index(m, from_front) - w, is_bent(m, transmits));
     let size = max(length(sum), 1e-20);
     let h = sum / size;
     return vec4(select(h, -h, dot(h, n) < 0.0), size);
@@ -44,16 +60,18 @@ fn rough_facet_normal(
 fn rough_pdf(
     m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
 ) -> f32 {
-    let facet = rough_facet_normal(m, transmits, direction, n, from_front, w);
+    let bent = is_bent(m, transmits);
+    let reflected = unfolded(m, transmits, n, w);
+    let facet = rough_facet_normal(m, transmits, direction, n, from_front, reflected);
     let h = facet.xyz;
     let cos_o = -dot(direction, n);
     let cos_h = -dot(direction, h);
-    let cos_w = dot(w, h);
-    if cos_o <= 0.0 || cos_h <= 0.0 || (cos_w < 0.0) != transmits {
+    let cos_w = dot(reflected, h);
+    if cos_o <= 0.0 || cos_h <= 0.0 || (cos_w < 0.0) != bent || (is_thin(m) && (dot(w, n) < 0.0) != transmits) {
         return 0.0;
     }
     let seen = 2.0 * facet_density(m, n, h) / (cos_o + facet_slope(m, n, -direction));
-    return seen * select(0.25, cos_h * -cos_w / (facet.w * facet.w), transmits);
+    return seen * select(0.25, cos_h * -cos_w / (facet.w * facet.w), bent);
 }
 
 // f cosθ / (share pdf) of a facet's light toward w, the share that of rough_reflectance.
@@ -63,7 +81,8 @@ fn rough_carried(
     let reflected = rough_facet(m, clamp(-dot(direction, h), 0.0, 1.0), from_front);
     let share = rough_reflectance(m, n, direction, from_front);
     if transmits {
-        return (1.0 - reflected) / (1.0 - share) * facet_seen(m, n, w);
+        let seen = select(facet_seen_again(m, n, unfolded(m, transmits, n, w), -direction), facet_seen(m, n, w), is_bent(m, transmits));
+        return (1.0 - reflected) / (1.0 - share) * seen;
     }
     return reflected / share * facet_seen_again(m, n, w, -direction);
 }
@@ -72,7 +91,7 @@ fn rough_carried(
 fn rough_weight(
     m: PackedMaterial, transmits: bool, direction: vec3<f32>, n: vec3<f32>, from_front: bool, w: vec3<f32>,
 ) -> Bands {
-    let h = rough_facet_normal(m, transmits, direction, n, from_front, w).xyz;
+    let h = rough_facet_normal(m, transmits, direction, n, from_front, unfolded(m, transmits, n, w)).xyz;
     let cos_w = dot(w, n);
     if (cos_w < 0.0) != transmits {
         return Bands(0.0);
@@ -92,7 +111,10 @@ fn rough_sample(
 ) -> RoughSample {
     let h = facet_normal(m, n, -direction, u);
     if transmits {
-        let d = refract_direction(direction, h, eta_across(m.ior, from_front));
+        var d = mirrored_in(n, normalize(reflect(direction, h)));
+        if is_bent(m, transmits) {
+            d = refract_direction(direction, h, relative_index(m, from_front));
+        }
         let is_across = dot(d, geometric) < 0.0 && dot(d, n) < 0.0;
         let weight = rough_carried(m, transmits, direction, n, from_front, h, d);
         return RoughSample(d, select(Bands(0.0), weight, is_across));

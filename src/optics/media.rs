@@ -36,6 +36,11 @@ impl Sides {
         if is_across { self.beyond } else { self.here }
     }
 
+    /// True where the medium stays: priorities say so.
+    pub(crate) fn is_no_boundary(&self, media: &Media, boundary: &PackedMaterial) -> bool {
+        media.has_priorities && boundary.body() > 0 && self.here.bodies[0] == self.beyond.bodies[0]
+    }
+
     /// The boundary as it is between the media that meet at it; none where it says so itself.
     pub(crate) fn between(
         &self,
@@ -44,13 +49,14 @@ impl Sides {
         from_front: bool,
     ) -> Option<PackedMaterial> {
         let media = &scene.media;
-        if !media.has_priorities || boundary.body() == 0 {
+        // what of a boundary is opaque is what it says
+        if !media.has_priorities || boundary.body() == 0 || !boundary.flags().is_dielectric() {
             return None;
         }
-        let [here, beyond] = [self.here.bodies[0], self.beyond.bodies[0]];
-        if here == beyond {
+        if self.is_no_boundary(media, boundary) {
             return Some(boundary.passed());
         }
+        let [here, beyond] = [self.here.bodies[0], self.beyond.bodies[0]];
         let indices = |number: u8| match number {
             0 => (1.0, [1.0; BANDS], false),
             _ => {

@@ -3,6 +3,7 @@
 use crate::optics::media::{Sides, transmittance};
 use crate::optics::shading::cutout::stops;
 use crate::optics::shading::frame::Frame;
+use crate::optics::shading::mixture::Met;
 use crate::optics::shading::relief::{self, Plain};
 use crate::optics::shading::texture::TexturePlace;
 use crate::packed::accel::Hit;
@@ -64,6 +65,8 @@ pub(crate) struct SurfaceInteraction<'a> {
     pub(crate) smooth: bool,
     pub(crate) triangle: &'a PackedTriangle,
     pub(crate) material: &'a PackedMaterial,
+    /// Which part it is of what is glass in part; none of what is one thing all over.
+    pub(crate) met: Option<Met>,
     /// The bodies before it and beyond.
     pub(crate) sides: Sides,
     /// The material of a boundary as it is between the media that meet there; none where that is as it says.
@@ -81,6 +84,11 @@ pub(crate) struct SurfaceInteraction<'a> {
 impl<'a> SurfaceInteraction<'a> {
     /// What `ray` meets first.
     pub(crate) fn hit(scene: &'a PackedScene, ray: &Ray) -> Option<Self> {
+        Self::hit_of(scene, ray, None)
+    }
+
+    /// The same, and of what is glass in part the rest or the glass, where that is said.
+    pub(crate) fn hit_of(scene: &'a PackedScene, ray: &Ray, is_rest: Option<bool>) -> Option<Self> {
         let hit = nearest(scene, ray, f32::INFINITY)?;
         let triangle = &scene.triangles[hit.triangle as usize];
         let front_normal = triangle.normal();
@@ -92,7 +100,7 @@ impl<'a> SurfaceInteraction<'a> {
         } else {
             TexturePlace::default()
         };
-        let (material, back) = (&scene.materials[triangle.material as usize], -ray.direction);
+        let (mut material, back) = (&scene.materials[triangle.material as usize], -ray.direction);
         let mut plain = Plain { front: front_normal, ns: front_normal };
         let mut ns = if smooth {
             let [a, b, c] = scene.shading_normals[hit.triangle as usize];
@@ -112,8 +120,18 @@ impl<'a> SurfaceInteraction<'a> {
         } else {
             Sides::at(&scene.media, material, front, ray.inside)
         };
+        let position = triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v;
+        let mut met = Met::at(material, &scene.textures, texture.uv, position, ray.direction);
+        if let (Some(met), Some(is_rest)) = (&mut met, is_rest) {
+            met.is_rest = is_rest;
+        }
+        // where light stays in the body that it is in there is no surface
+        met = met.filter(|_| !sides.is_no_boundary(&scene.media, material));
+        if let Some(rest) = material.rest().filter(|_| met.is_some_and(|met| met.is_rest)) {
+            material = &scene.materials[rest];
+        }
         Some(Self {
-            position: triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v,
+            position,
             back,
             distance: hit.t,
             ng,
@@ -123,6 +141,7 @@ impl<'a> SurfaceInteraction<'a> {
             smooth,
             triangle,
             material,
+            met,
             sides,
             boundary: sides.between(scene, material, front),
             transmittance: transmittance(scene, sides.here, hit.t),

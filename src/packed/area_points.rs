@@ -29,7 +29,7 @@ fn is_doubled(scene: &PackedScene, index: usize, position: Vec3, normal: Vec3) -
     scene.bvh.any_near(position, (normal + ASLANT).normalize(), ONE_SURFACE, |other| {
         let t = &scene.triangles[other as usize];
         (other as usize) < index
-            && scene.materials[t.material as usize].flags().has_diffuse()
+            && scene.materials[t.material as usize].flags().stores()
             && t.normal().dot(normal).abs() > ONE_PLANE
             && (position - t.v0).dot(t.normal()).abs() < ONE_SURFACE
             && holds(t, position)
@@ -57,7 +57,7 @@ pub fn scatter(scene: &PackedScene, count: usize, seed: u32) -> (Vec<AreaPoint>,
     let mut next = f64::from(rng::random4(seed, 0, u32::MAX, DIMENSION_AREA)[0]) * each;
     let mut before = 0.0;
     for (index, t) in scene.triangles.iter().enumerate() {
-        if !scene.materials[t.material as usize].flags().has_diffuse() {
+        if !scene.materials[t.material as usize].flags().stores() {
             continue;
         }
         let end = before + f64::from(t.area());

@@ -60,6 +60,10 @@ impl MaterialFlags {
     pub fn has_diffuse(self) -> bool {
         self.0 & (Self::DIFFUSE | Self::GLOSSY | Self::LAYERS_SCATTER) != 0
     }
+    /// Jotons are stored here: some of it scatters, if only at some places, or but in part.
+    pub fn stores(self) -> bool {
+        self.0 & Self::STORES != 0
+    }
     /// There is a Lambert lobe.
     pub fn has_lambert(self) -> bool {
         self.0 & Self::DIFFUSE != 0

@@ -83,6 +83,9 @@ impl Media {
             materials[i].flag_bits |= (bodies.len() as u32) << BODY_SHIFT;
             materials[i].extinction =
                 interior(i).absorption.map(|a| (f64::from(a) * world_scale).min(ABSORPTION_MOST) as f32);
+            if let Some(rest) = materials[i].rest() {
+                materials[rest].flag_bits |= (bodies.len() as u32) << BODY_SHIFT;
+            }
         }
         Self { bodies, has_priorities, ..Self::default() }
     }

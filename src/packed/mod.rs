@@ -194,6 +194,7 @@ impl PackedScene {
         let (bvh, order) = Bvh::build(&corners);
         let order: Vec<u32> = order.into_iter().map(|i| kept[i as usize]).collect();
         let mut materials: Vec<PackedMaterial> = scene.materials.iter().map(PackedMaterial::new).collect();
+        surfaces::join_rests(&mut materials);
         let media = Media::of(scene, &mut materials, world_scale);
         let (mut triangles, shading_normals) = surfaces::pack(scene, &vertices, &turned, &order);
         media.mark(&mut triangles, &materials);
@@ -211,7 +212,7 @@ impl PackedScene {
         let total_flux = std::array::from_fn(|b| emitters.iter().map(|e| f64::from(e.flux[b])).sum::<f64>());
         let diffuse_area = triangles
             .iter()
-            .filter(|t| materials[t.material as usize].flags().has_diffuse())
+            .filter(|t| materials[t.material as usize].flags().stores())
             .map(|t| f64::from(t.area()))
             .sum();
         let spectra = scene

@@ -93,7 +93,10 @@ impl Curves {
             glossy: curve(packed.glossy, glossy),
             transmission: curve(packed.transmission, transmission),
             index,
-            absorption: (packed.body() > 0 && !is_black(&packed.extinction)).then(|| {
+            absorption: (packed.flags().is_dielectric()
+                && packed.body() > 0
+                && !is_black(&packed.extinction))
+            .then(|| {
                 absorption.unwrap_or_else(|| absorption_of_rgb(&m.interior.absorption)).scaled(world_scale)
             }),
             most: m.diffuse_texture.as_ref().map_or(1.0, |t| t.most().into_iter().fold(0.0, f32::max)),

@@ -163,8 +163,13 @@ gpu_struct! {
         pub sheen: u32,
         /// What the dielectric part of a layered material reflects at grazing angles.
         pub grazing: f32,
+        /// Of what is glass in part the material of the rest; else 0, which is none's: it comes after the glass. `clear_coat` of such glass
+        /// is what is transmitted of what is no metal, and `metallic` is that \[E57\].
+        pub rest: u32,
+        /// Number of the texture of the transmission, as in `textures`.
+        pub transmission_texture: u32,
     }
-    words 7 * BANDS + 15
+    words 7 * BANDS + 17
 }
 
 impl PackedMaterial {
@@ -192,10 +197,9 @@ impl PackedMaterial {
         let alpha = m.facets.map_or(0.0, |f| smooth(f.alpha));
         let least_alpha = m.roughness.as_ref().map_or(alpha, |map| smooth(map.range()[0].powi(2)));
         let kind = m.facets.map(|f| f.kind).filter(|_| opaque);
-        // a smooth interface needs no microfacets, and nothing bends in a pane or where the index stays
+        // a smooth interface needs no microfacets, and nothing is there where the index stays
         let is_interface =
-            m.dielectric.is_some_and(|d| (d.ior - 1.0).abs() > SAME_INDEX || m.interior.priority.is_some())
-                && !m.thin;
+            m.dielectric.is_some_and(|d| (d.ior - 1.0).abs() > SAME_INDEX || m.interior.priority.is_some());
         let has_facets = kind.is_some() || (is_interface && alpha > 0.0);
         set(has_facets, MaterialFlags::FACETS);
         // beside a mirror there is no room for a second lobe that is followed
@@ -248,6 +252,7 @@ impl PackedMaterial {
         set(brush.is_some(), MaterialFlags::ANISOTROPIC);
         set(brush.is_some_and(|brush| brush.is_around), MaterialFlags::AROUND);
         let d = m.dielectric;
+        let mixture = m.mixture.as_ref();
         let ior = d.map(|d| d.ior).or(coat).unwrap_or(1.0);
         let is_phong = followed && m.facets.is_none() && !is_black(&m.glossy);
         let mut packed = Self {
@@ -271,14 +276,17 @@ impl PackedMaterial {
                 .as_ref()
                 .map(|metal| metal.most)
                 .or(layers.map(|l| l.metallic))
+                .or(mixture.map(|mixture| mixture.metallic))
                 .unwrap_or(0.0),
             relief_texture: 0,
             relief: 0.0,
-            clear_coat,
+            clear_coat: mixture.map_or(clear_coat, |mixture| mixture.transmission),
             clear_coat_alpha,
             sheen: layers
                 .map_or(0, |l| sheen_bits(l.sheen_roughness, l.sheen.into_iter().fold(0.0, f32::max))),
             grazing: layers.map_or(1.0, |l| l.grazing),
+            rest: mixture.map_or(0, |mixture| mixture.number),
+            transmission_texture: 0,
             pad: Default::default(),
         };
         packed.diffuse = packed.under_coat(m.facets, m.layers.as_ref(), packed.diffuse);
@@ -320,6 +328,16 @@ impl PackedMaterial {
     /// True for microfacets that are not smooth.
     pub(crate) fn is_rough(&self) -> bool {
         self.flags().has_facets() && self.alpha > 0.0
+    }
+
+    /// The material of what of it is no glass.
+    pub fn rest(&self) -> Option<usize> {
+        Some(self.rest as usize).filter(|number| *number > 0)
+    }
+
+    /// Texture of how much of it is glass, counted from 1.
+    pub(crate) fn transmission_texture(&self) -> Option<u32> {
+        Some(self.transmission_texture).filter(|number| *number > 0)
     }
 
     /// Texture of `diffuse`, counted from 1.
@@ -396,6 +414,14 @@ impl PackedMaterial {
     /// What the material can do.
     pub fn flags(&self) -> MaterialFlags {
         MaterialFlags(self.flag_bits)
+    }
+}
+
+/// Glass keeps jotons where what of it is no glass does.
+pub(super) fn join_rests(materials: &mut [PackedMaterial]) {
+    for i in 0..materials.len() {
+        let Some(rest) = materials[i].rest() else { continue };
+        materials[i].flag_bits |= materials[rest].flag_bits & MaterialFlags::STORES;
     }
 }
 

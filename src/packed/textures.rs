@@ -7,7 +7,7 @@ use super::heap::HEAP_WORD;
 use super::surfaces::{PackedMaterial, corner_of};
 use crate::scene::texture::levels::Level;
 use crate::scene::texture::{
-    Bitmap, Channel, Filter, Opacity, Relief, ReliefKind, Space, Texels, Texture, Wrap, f16,
+    Bitmap, Channel, Filter, NumberMap, Opacity, Relief, ReliefKind, Space, Texels, Texture, Wrap, f16,
 };
 use crate::scene::{Material, Scene};
 use rustc_hash::FxHashMap;
@@ -117,6 +117,8 @@ impl Textures {
         for (material, packed) in scene.materials.iter().zip(materials) {
             packed.textures = packer.of_material(material);
             packed.facet_textures = packer.of_facets(material);
+            let transmission = material.mixture.as_ref().and_then(|m| m.transmission_map.as_ref());
+            packed.transmission_texture = packer.number(transmission);
             if let Some(Relief { texture, kind }) = &material.relief {
                 packed.relief_texture = packer.record(texture, kind.channel(), 1.0);
                 packed.relief = match *kind {
@@ -201,11 +203,13 @@ impl Packer {
     /// Of its roughness in the low half, of its metallic part in the high half.
     fn of_facets(&mut self, m: &Material) -> u32 {
         let metallic = m.metallic.as_ref().and_then(|metal| metal.map.as_ref());
-        let [roughness, metallic] = [m.roughness.as_ref(), metallic].map(|map| match map {
-            Some(map) => self.record(&map.texture, map.channel, map.factor),
-            None => 0,
-        });
-        roughness | metallic << 16
+        let metallic = metallic.or(m.mixture.as_ref().and_then(|mixture| mixture.metallic_map.as_ref()));
+        self.number(m.roughness.as_ref()) | self.number(metallic) << 16
+    }
+
+    /// Of a number that varies; 0 where none does.
+    fn number(&mut self, map: Option<&NumberMap>) -> u32 {
+        map.map_or(0, |map| self.record(&map.texture, map.channel, map.factor))
     }
 
     fn record(&mut self, texture: &Texture, channel: Channel, factor: f32) -> u32 {

@@ -90,7 +90,7 @@ pub(super) fn is_cut(scene: &PackedScene, s: &SurfaceInteraction, radius: f32) -
         below.is_some_and(|hit| {
             (hit.distance - PROBE_HEIGHT * radius).abs() < GATHER_PLANE_SHARE * radius
                 && hit.ng.dot(s.ng) > GATHER_NORMAL_COS
-                && hit.flags().has_diffuse()
+                && hit.flags().stores()
         })
     });
     let is_free = (0..CLIP_RAYS).all(|i| {

@@ -1,12 +1,23 @@
 //! Facts of a scene that a plan is made from: what is there, and what light can never do.
 
 use crate::optics::lights::shines_on;
-use crate::packed::{MaterialFlags, PackedScene};
+use crate::packed::{MaterialFlags, PackedMaterial, PackedScene};
 use glam::Vec3;
+
+/// The materials of all triangles, with what of these is no glass.
+fn materials(scene: &PackedScene) -> impl Iterator<Item = &PackedMaterial> {
+    let all = scene.triangles.iter().map(|t| &scene.materials[t.material as usize]);
+    all.flat_map(|m| std::iter::once(m).chain(m.rest().map(|rest| &scene.materials[rest])))
+}
 
 /// True where the material of some triangle is so.
 pub(super) fn has(scene: &PackedScene, is: impl Fn(MaterialFlags) -> bool) -> bool {
-    scene.triangles.iter().any(|t| is(scene.materials[t.material as usize].flags()))
+    materials(scene).any(|m| is(m.flags()))
+}
+
+/// True where some surface is glass in part.
+pub(super) fn has_mixtures(scene: &PackedScene) -> bool {
+    scene.triangles.iter().any(|t| scene.materials[t.material as usize].rest().is_some())
 }
 
 /// True where some surface emits.
@@ -16,7 +27,7 @@ pub(super) fn has_emissive_surface(scene: &PackedScene) -> bool {
 
 /// True where some surface shines by a picture, or is dark by one.
 pub(super) fn shines_by_pictures(scene: &PackedScene) -> bool {
-    scene.triangles.iter().any(|t| scene.materials[t.material as usize].emission_texture().is_some())
+    materials(scene).any(|m| m.emission_texture().is_some())
 }
 
 /// True where some surface can be a gather point.
@@ -26,8 +37,7 @@ pub(super) fn has_diffuse_surface(scene: &PackedScene) -> bool {
 
 /// True where light samples may lie in a lobe that is followed.
 pub(super) fn shows_lights_in_followed_lobes(scene: &PackedScene) -> bool {
-    !scene.emitters.is_empty()
-        && scene.triangles.iter().any(|t| scene.materials[t.material as usize].has_narrow_lobe())
+    !scene.emitters.is_empty() && materials(scene).any(PackedMaterial::has_narrow_lobe)
 }
 
 /// True where a light without area can be seen in a lobe that is followed.
@@ -48,7 +58,7 @@ const ALONG_PLANE: f32 = 0.999;
 
 /// True where all surfaces that reflect lie in one plane: light that leaves one meets no other.
 pub(super) fn reflects_in_one_plane(scene: &PackedScene) -> bool {
-    let reflects = |m: MaterialFlags| m.has_diffuse() || m.has_delta();
+    let reflects = |m: MaterialFlags| m.stores() || m.has_delta();
     let mut reflecting =
         scene.triangles.iter().filter(|t| reflects(scene.materials[t.material as usize].flags()));
     let Some(widest) = reflecting.clone().max_by(|a, b| a.area().total_cmp(&b.area())) else { return true };

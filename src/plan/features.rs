@@ -40,6 +40,8 @@ pub struct Features {
     pub anisotropy: bool,
     /// Some material has layers.
     pub layers: bool,
+    /// Some surface is glass in part.
+    pub mixtures: bool,
     /// Some lobe that is followed has a width, and there are lights.
     pub followed_light: bool,
     /// Some emitter is not a triangle.
@@ -98,6 +100,7 @@ impl Features {
                 Reason::NothingBrushed,
             ),
             layers: needs(facts::has(scene, |m| m.is_layered()), Part::Layers, Reason::NoLayers),
+            mixtures: needs(facts::has_mixtures(scene), Part::Mixtures, Reason::NothingMixed),
             followed_light: facts::shows_lights_in_followed_lobes(scene),
             smooth_normals: needs(!scene.shading_normals.is_empty(), Part::ShadingNormals, Reason::AllFlat),
             delta_lights: needs(
@@ -111,7 +114,7 @@ impl Features {
     }
 
     /// Name and value of each feature's override.
-    pub fn named(&self) -> [(&'static str, bool); 20] {
+    pub fn named(&self) -> [(&'static str, bool); 21] {
         [
             ("HAS_SMOOTH", self.smooth_normals),
             ("HAS_SPECULAR", self.specular),
@@ -129,6 +132,7 @@ impl Features {
             ("HAS_FACETS", self.facets),
             ("HAS_ANISOTROPY", self.anisotropy),
             ("HAS_LAYERS", self.layers),
+            ("HAS_MIXTURES", self.mixtures),
             ("HAS_FOLLOWED_LIGHT", self.followed_light),
             ("HAS_DELTA_LIGHTS", self.delta_lights),
             ("HAS_CONTACTS", self.contacts),

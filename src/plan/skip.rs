@@ -44,6 +44,8 @@ pub enum Part {
     Anisotropy,
     /// Code for clear coats, sheen and the like.
     Layers,
+    /// Code for surfaces that are glass in part.
+    Mixtures,
     /// Code and buffer for shading normals.
     ShadingNormals,
     /// Code for lights that are no surfaces.
@@ -116,6 +118,8 @@ pub enum Reason {
     NothingBrushed,
     /// No material has layers.
     NoLayers,
+    /// Each surface is glass all over, or nowhere.
+    NothingMixed,
     /// No triangle has shading normals.
     AllFlat,
     /// No light is a point, a spot or a sun.
@@ -153,7 +157,7 @@ pub struct Skip {
 
 impl Part {
     /// All parts, in the order in which they are told.
-    pub const ALL: [Part; 30] = [
+    pub const ALL: [Part; 31] = [
         Part::OutOfReach,
         Part::Emission,
         Part::DirectLight,
@@ -173,6 +177,7 @@ impl Part {
         Part::Microfacets,
         Part::Anisotropy,
         Part::Layers,
+        Part::Mixtures,
         Part::ShadingNormals,
         Part::DeltaLights,
         Part::Contacts,
@@ -208,6 +213,7 @@ impl Part {
             Part::Microfacets => "microfacets",
             Part::Anisotropy => "anisotropy",
             Part::Layers => "layers",
+            Part::Mixtures => "mixtures",
             Part::ShadingNormals => "shading-normals",
             Part::DeltaLights => "delta-lights",
             Part::Contacts => "contacts",
@@ -244,6 +250,7 @@ impl Part {
             Part::Microfacets => "microfacets",
             Part::Anisotropy => "anisotropy",
             Part::Layers => "clear coats and sheen",
+            Part::Mixtures => "surfaces that are glass in part",
             Part::ShadingNormals => "shading normals",
             Part::DeltaLights => "point, spot and sun lights",
             Part::Contacts => "order of faces in one place",
@@ -301,6 +308,7 @@ impl Reason {
             Reason::NoMicrofacets => "no surface is metal, coated or rough by roughness",
             Reason::NothingBrushed => "no surface is rougher one way than the other",
             Reason::NoLayers => "no material has a clear coat, sheen or a specular factor",
+            Reason::NothingMixed => "each surface is glass all over, or nowhere",
             Reason::AllFlat => "every triangle is flat",
             Reason::AllLightsAreSurfaces => "every light is a surface",
             Reason::NothingTouches => "no two faces lie in one place",
@@ -347,6 +355,7 @@ impl Reason {
             Reason::NoMicrofacets => "metal, plastic or rough glass",
             Reason::NothingBrushed => "an anisotropy",
             Reason::NoLayers => "clearcoat, sheen_color or specular",
+            Reason::NothingMixed => "transmission between 0 and 1",
             Reason::AllFlat => "normals at vertices",
             Reason::AllLightsAreSurfaces => "a point, spot or sun light",
             Reason::NothingTouches => "faces that touch",

@@ -193,7 +193,7 @@ fn follow(scene: &PackedScene, plan: &Plan, path: Path, number: u32) -> Followed
         };
         let [u_way, u0, u1, u_lobe] =
             random4(plan.settings.seed, path as u32, number, DIMENSION_TRAFFIC + event);
-        if is_met && s.flags().has_diffuse() {
+        if is_met && s.flags().stores() {
             let is_marked = plan.visible_cells.as_ref().is_none_or(|cells| cells.holds(s.position));
             // as many of the others as are stored, by any number that decides about nothing else
             let share = if is_marked || path == Path::Caustic { 1 } else { UNSEEN_STORED };

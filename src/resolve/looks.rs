@@ -26,6 +26,8 @@ struct Branch {
     event: u32,
     /// Part of the look.
     part: f32,
+    /// Of what is glass in part the rest is looked at, or the glass; none where both are.
+    is_rest: Option<bool>,
 }
 
 /// Say where look `number` at a pixel ends; the first goes through its middle. The patches' shares are parts of the look.
@@ -40,9 +42,18 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
     let ray = Ray::new(origin, direction).within(scene.media.camera);
     // the first way of each split is followed at once, the others later
     let mut later = Vec::new();
-    let mut next = Some(Branch { ray, throughput: [1.0; BANDS], length, kind: 0, event: 0, part: 1.0 });
+    let mut next =
+        Some(Branch { ray, throughput: [1.0; BANDS], length, kind: 0, event: 0, part: 1.0, is_rest: None });
     while let Some(branch) = next.take().or_else(|| later.pop()) {
-        let Some(s) = SurfaceInteraction::hit(scene, &branch.ray) else { continue };
+        let Some(s) = SurfaceInteraction::hit_of(scene, &branch.ray, branch.is_rest) else { continue };
+        if let (Some(met), None) = (s.met, branch.is_rest) {
+            for (is_rest, part) in [(true, 1.0 - met.glass), (false, met.glass)] {
+                let throughput = scale(&branch.throughput, part);
+                let way = Branch { part: branch.part * part, throughput, is_rest: Some(is_rest), ..branch };
+                later.extend(Some(way).filter(|way| way.part > 0.0));
+            }
+            continue;
+        }
         let length = branch.length + s.distance;
         let bsdf = Bsdf::seen(scene, &s, length);
         let arrives = s.through(&branch.throughput);
@@ -92,6 +103,7 @@ pub(super) fn look(scene: &PackedScene, seed: u32, pixel: u32, number: u32, mut 
                 kind: pcg4d([branch.kind, lobe as u32, s.triangle.material, 2])[0],
                 event: branch.event + 1,
                 part: branch.part * ways[lobe + 1] / followed,
+                is_rest: None,
             };
             if next.is_none() { next = Some(way) } else { later.push(way) }
         }

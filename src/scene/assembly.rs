@@ -7,7 +7,7 @@ use super::scene_file::{Called, MadeOf, MaterialEntry};
 use super::texture::fit;
 use super::texture::store::Store;
 use super::warnings::{Named, Warnings, listed};
-use super::{Anisotropy, Material, Mesh, layers, rule, text};
+use super::{Anisotropy, Material, Mesh, layers, material, rule, text};
 use crate::{Error, Result};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -61,6 +61,7 @@ impl<'a> Assembly<'a> {
     /// The whole, its glass settled.
     pub(super) fn finish(mut self, warnings: &mut Warnings) -> (Mesh, Vec<Material>) {
         glass::settle(&mut self.mesh, &mut self.materials, &self.origins, warnings);
+        material::number_rests(&mut self.materials);
         self.settle_uvs(warnings);
         (self.mesh, self.materials)
     }
@@ -156,8 +157,11 @@ impl<'a> Assembly<'a> {
     pub(super) fn around(&mut self, material: u32) -> Option<u32> {
         let stated = &self.materials[material as usize];
         let anisotropy = stated.anisotropy.filter(|_| !stated.has_texture())?;
-        let around =
-            Material { anisotropy: Some(Anisotropy { is_around: true, ..anisotropy }), ..stated.clone() };
+        let mut around = stated.clone();
+        let rest = around.mixture.as_mut().map(|mixture| &mut mixture.rest.anisotropy);
+        for brushed in [Some(&mut around.anisotropy), rest].into_iter().flatten() {
+            *brushed = Some(Anisotropy { is_around: true, ..anisotropy });
+        }
         if let Some(known) = self.materials.iter().position(|m| *m == around) {
             return Some(known as u32);
         }
@@ -367,6 +371,10 @@ impl RawMaterial {
             saturated: other.saturated.or(self.saturated),
             absorption: other.absorption.or(self.absorption),
             priority: other.priority.or(self.priority),
+            map_transmission: match other.layers.transmission {
+                Some(_) => None,
+                None => other.map_transmission.clone().or(self.map_transmission),
+            },
             map_kd,
             textured,
             opacity,

@@ -21,13 +21,15 @@ pub(crate) fn restate(raw: &mut RawMaterial) {
     let is_metal = raw.illum.is_some_and(|illum| illum.value == 3.0);
     let from_ka = raw.ka.filter(|_| is_metal).map(|ka| spectrum::max(&ka.value));
     let metallic = raw.pm.map(|pm| pm.value).or(from_ka).unwrap_or(0.0).clamp(0.0, 1.0);
-    let transmits = raw.tf.is_some_and(|tf| spectrum::max(&tf.value) > 0.5);
+    let transmission = raw.tf.map(|tf| At { value: spectrum::max(&tf.value).clamp(0.0, 1.0), line: tf.line });
+    let transmission = transmission.filter(|t| t.value > 0.0);
     raw.map_pr = raw.map_pr.take().or_else(|| other_map(raw, "map_ns"));
     raw.map_pm = raw.map_pm.take().or_else(|| other_map(raw, "map_refl"));
     // a texture is the whole of the colour
     raw.textured = raw.map_kd.as_ref().map(|_| [1.0 - metallic; BANDS]);
     (raw.pr, raw.ns) = (roughness, None);
-    if transmits && metallic < 0.5 {
+    let is_all_glass = metallic == 0.0 && raw.map_pm.is_none();
+    if is_all_glass && transmission.is_some_and(|t| t.value == 1.0) {
         raw.kind = Some(Kind::Glass);
         // it passes two faces
         raw.tf = raw.kd.map(|kd| At { value: kd.value.map(|v| v.max(0.0).sqrt()), ..kd });
@@ -36,7 +38,10 @@ pub(crate) fn restate(raw: &mut RawMaterial) {
         raw.kind = Some(Kind::Principled);
         let head_on = raw.ks.map_or(0.5, |ks| spectrum::max(&ks.value)) * REFLECTANCE;
         let root = head_on.clamp(0.0, 0.9).sqrt();
-        raw.ni = Some(At { value: (1.0 + root) / (1.0 - root), line: raw.ni.map_or(raw.line, |ni| ni.line) });
+        let of_ks = At { value: (1.0 + root) / (1.0 - root), line: raw.ni.map_or(raw.line, |ni| ni.line) };
+        // of glass the index itself
+        raw.ni = raw.ni.filter(|ni| transmission.is_some() && ni.value >= 1.0).or(Some(of_ks));
+        raw.layers.transmission = transmission;
         raw.pm = Some(At { value: metallic, line: raw.line }).filter(|_| raw.map_pm.is_none());
         (raw.ks, raw.tf) = (None, None);
     }

@@ -29,6 +29,8 @@ pub(super) struct Numbers {
     pub(super) roughness: Option<NumberMap>,
     /// Part that is metal.
     pub(super) metallic: Option<NumberMap>,
+    /// What of the rest is metal is settled at each place.
+    pub(super) is_rest: bool,
 }
 
 /// α of GGX, the most of it where it varies; `unstated` is a roughness.
@@ -76,7 +78,7 @@ pub(super) fn apply(
     // exporters that do not know the index write 0
     let ior = raw.ni.filter(|ni| ni.value != 0.0).map_or(COAT_IOR, |ni| ni.value);
     let is_textured = result.diffuse_texture.is_some();
-    let Numbers { roughness, metallic } = numbers;
+    let Numbers { roughness, metallic, is_rest } = numbers;
     let alpha = |unstated| alpha(raw, roughness.as_ref(), unstated);
     match kind {
         Kind::Metal => {
@@ -117,7 +119,7 @@ pub(super) fn apply(
                 None => [raw.pm.map_or(0.0, |pm| pm.value.clamp(0.0, 1.0)); 2],
             };
             let about = 0.5 * (least + most);
-            let is_mixed = most > 0.0 && (is_textured || least < most);
+            let is_mixed = most > 0.0 && (is_textured || is_rest || least < most);
             let (head_on, _) = layers::of_dielectric(raw, ior);
             let colour = result.diffuse_texture.as_ref().map_or(factor, |t| spectrum::mul(&mean(t), &factor));
             result.diffuse = if is_mixed { factor } else { spectrum::scale(&factor, 1.0 - about) };

@@ -295,12 +295,10 @@ fn mark(mesh: &mut Mesh, materials: &mut Vec<Material>, thin: &[u32]) {
         let number = mesh.triangles[i as usize].material;
         let pane = *pane_of.entry(number).or_insert_with(|| {
             if !has_body[number as usize] {
-                let pane = &mut materials[number as usize];
-                // a pane is smooth
-                (pane.thin, pane.facets, pane.anisotropy) = (true, None, None);
+                materials[number as usize].thin = true;
                 return number;
             }
-            materials.push(Material { thin: true, facets: None, ..materials[number as usize].clone() });
+            materials.push(Material { thin: true, ..materials[number as usize].clone() });
             materials.len() as u32 - 1
         });
         mesh.triangles[i as usize].material = pane;

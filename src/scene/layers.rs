@@ -4,7 +4,7 @@
 //! - **Clear coat** of index 1.5 over everything else: `clearcoat` is how much of it is there, 0 to 1.
 //! - **Sheen**, of fibres, between the coat and the base: a colour, and a roughness.
 //! - **Specular**: a factor on what the dielectric part reflects, and a colour on what it reflects head on.
-//! - **Transmission** of 1: the material is glass; of 0: it is opaque. Values between are taken for the nearer one.
+//! - **Transmission**: how much of what is no metal is glass \[E57\].
 
 use super::Layers;
 use super::material::WHITE;
@@ -27,8 +27,8 @@ pub(super) const KEYS: [&str; 7] = [
 /// Sheen that is less rough than this reflects more than it gets at grazing angles: it counts as this rough.
 const SHEEN_ROUGHNESS_LEAST: f32 = 0.3;
 
-/// What a scene file says of them.
-pub(super) fn read(table: &Table) -> Result<RawLayers> {
+/// What a scene file says of them in numbers; transmission may be a texture.
+pub(super) fn read(table: &Table, has_map: bool) -> Result<RawLayers> {
     let single = |key| Ok::<_, Error>(table.number(key)?.map(|v| At { value: v.value as f32, line: v.line }));
     Ok(RawLayers {
         clear_coat: single("clearcoat")?,
@@ -37,7 +37,7 @@ pub(super) fn read(table: &Table) -> Result<RawLayers> {
         sheen_roughness: single("sheen_roughness")?,
         specular: single("specular")?,
         specular_colour: table.bands("specular_color")?,
-        transmission: single("transmission")?,
+        transmission: if has_map { None } else { single("transmission")? },
     })
 }
 
@@ -130,40 +130,74 @@ pub(super) fn index_of(head_on: &Bands) -> f32 {
     (1.0 + root) / (1.0 - root)
 }
 
-/// A material that transmits as the glass that it is; none where it is opaque.
-/// Where no roughness is stated it is `roughness`.
+/// A principled material that transmits.
+pub(super) struct Transmitting {
+    /// It as the glass that it is; or the part of it that is glass …
+    pub(super) glass: RawMaterial,
+    /// … and the opaque rest.
+    pub(super) rest: Option<Rest>,
+}
+
+/// What of a material is no glass.
+pub(super) struct Rest {
+    /// The material. Its metallic part is its own, or of all of the surface where it varies.
+    pub(super) raw: RawMaterial,
+    /// What is transmitted of what is no metal …
+    pub(super) transmission: f32,
+    /// … and the part that is metal: where these are stated by numbers.
+    pub(super) metallic: f32,
+    /// It is settled at each place what is metal.
+    pub(super) varies: bool,
+}
+
+/// What of a material transmits; none where it is opaque. Where no roughness is stated it is `roughness`.
 pub(super) fn transmitting(
     raw: &RawMaterial,
     roughness: f32,
     warn: &mut impl FnMut(Option<usize>, &str),
-) -> Option<RawMaterial> {
-    let At { value, line } = raw.layers.transmission.filter(|_| raw.kind == Some(Kind::Principled))?;
-    // metal lets nothing through
-    let part = value * (1.0 - raw.pm.map_or(0.0, |pm| pm.value));
-    let is_glass = part >= 0.5;
-    if part > 0.0 && part < 1.0 {
-        let taken = if is_glass { "1, glass" } else { "0, opaque" };
-        warn(Some(line), &format!("transmission of {part} is taken for {taken}"));
-    }
-    if !is_glass {
+) -> Option<Transmitting> {
+    if raw.kind != Some(Kind::Principled) {
         return None;
     }
-    let ignored = RawLayers { transmission: None, ..raw.layers };
-    if ignored != RawLayers::default() {
-        warn(Some(line), "clearcoat, sheen and specular of what transmits are ignored");
+    let stated = raw.layers.transmission;
+    let line = stated.map(|t| t.line).or(raw.map_transmission.as_ref().map(|map| map.line))?;
+    let transmission = stated.map_or(1.0, |t| t.value.clamp(0.0, 1.0));
+    let metallic = raw.pm.map_or(0.0, |pm| pm.value.clamp(0.0, 1.0));
+    let maps = [&raw.map_transmission, &raw.map_pm].map(Option::is_some);
+    // metal lets nothing through
+    let part = transmission * (1.0 - metallic);
+    if part == 0.0 {
+        return None;
+    }
+    let layers = RawLayers { transmission: None, ..raw.layers };
+    let is_all_glass = part == 1.0 && maps == [false; 2];
+    if layers != RawLayers::default() {
+        let what = if is_all_glass { "" } else { ", which lie over the rest of it alone" };
+        warn(Some(line), &format!("clearcoat, sheen and specular of what transmits are ignored{what}"));
     }
     // a body is passed by two faces
     let is_thin = raw.thin.is_some_and(|thin| thin.value);
     let crossed = |kd: Bands| if is_thin { kd } else { kd.map(|x| x.max(0.0).sqrt()) };
-    let roughness = Some(At { value: roughness, line });
     let is_plain = raw.pr.is_none() && raw.alpha.is_none() && raw.map_pr.is_none();
     let mut glass = RawMaterial {
         kind: Some(Kind::Glass),
-        tf: raw.kd.map(|kd| At { value: crossed(kd.value), ..kd }),
-        pr: if is_plain { roughness } else { raw.pr },
+        // a texture of Blender's libraries is the whole of the colour
+        tf: raw.kd.filter(|_| raw.textured.is_none()).map(|kd| At { value: crossed(kd.value), ..kd }),
+        pr: if is_plain { Some(At { value: roughness, line }) } else { raw.pr },
         layers: RawLayers::default(),
+        opacity: None,
+        map_d: None,
         ..raw.clone()
     };
-    (glass.kd, glass.pm, glass.spectra.kd) = (None, None, None);
-    Some(glass)
+    (glass.kd, glass.pm, glass.spectra.kd, glass.map_pm) = (None, None, None, None);
+    let rest = (!is_all_glass).then(|| {
+        let varies = maps != [false; 2] || (metallic > 0.0 && raw.map_kd.is_some());
+        let own = if varies { metallic } else { metallic / (1.0 - part) };
+        let mut rest = RawMaterial { layers, absorption: None, priority: None, ..raw.clone() };
+        rest.pm = raw.pm.map(|pm| At { value: own, ..pm });
+        (rest.map_transmission, rest.opacity, rest.map_d, rest.thin) = (None, None, None, None);
+        (rest.spectra.absorption, rest.spectra.ni) = (None, None);
+        Rest { raw: rest, transmission, metallic, varies }
+    });
+    Some(Transmitting { glass, rest })
 }

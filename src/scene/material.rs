@@ -19,7 +19,7 @@ pub struct Material {
     pub name: String,
     /// Lambertian reflectance per band …
     pub diffuse: Bands,
-    /// … times the texels of this, in red, green and blue.
+    /// … times the texels of this, in red, green and blue. What a dielectric transmits is times their root, of a thin pane times them.
     pub diffuse_texture: Option<Texture>,
     /// How much of the surface is there; all of it where this is none.
     pub opacity: Option<Opacity>,
@@ -59,6 +59,36 @@ pub struct Material {
     pub spectra: Option<Arc<MaterialSpectra>>,
     /// What lies over a principled base, whose microfacets reflect by Schlick's formula.
     pub layers: Option<Layers>,
+    /// A part of the dielectric is opaque: something else is there.
+    pub mixture: Option<Mixture>,
+}
+
+/// What is transmitted of a surface that is glass in part and opaque in part: of that which is no metal some \[E57\].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mixture {
+    /// Part of what is no metal that is glass …
+    pub transmission: f32,
+    /// … where that varies.
+    pub transmission_map: Option<NumberMap>,
+    /// Part that is metal …
+    pub metallic: f32,
+    /// … where that varies.
+    pub metallic_map: Option<NumberMap>,
+    /// What is there in place of glass. Its `metallic`, where there is one, is that of all of the surface.
+    pub rest: Box<Material>,
+    /// Its number in the scene's list of materials, once this is whole.
+    pub number: u32,
+}
+
+/// Puts what of glass is no glass at the end of a list of materials, and says there where it is.
+pub fn number_rests(materials: &mut Vec<Material>) {
+    for i in 0..materials.len() {
+        let number = materials.len() as u32;
+        let Some(mixture) = &mut materials[i].mixture else { continue };
+        mixture.number = number;
+        let rest = (*mixture.rest).clone();
+        materials.push(rest);
+    }
 }
 
 /// A smooth boundary between vacuum (outside, where the normal points) and a transparent body (inside).
@@ -215,6 +245,7 @@ impl Material {
             metal: None,
             spectra: None,
             layers: None,
+            mixture: None,
         }
     }
 
@@ -242,7 +273,8 @@ impl Material {
     /// Those of them that are looked up where a ray has met it.
     pub fn surface_textures(&self) -> impl Iterator<Item = &Texture> {
         let metallic = self.metallic.iter().filter_map(|m| m.map.as_ref());
-        let numbers = self.roughness.iter().chain(metallic).map(|map| &map.texture);
+        let mixed = self.mixture.iter().flat_map(|m| m.transmission_map.iter().chain(&m.metallic_map));
+        let numbers = self.roughness.iter().chain(metallic).chain(mixed).map(|map| &map.texture);
         let relief = self.relief.iter().map(|relief| &relief.texture);
         self.diffuse_texture.iter().chain(numbers).chain(relief).chain(&self.emission_texture)
     }

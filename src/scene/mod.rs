@@ -35,7 +35,10 @@ mod weld;
 pub use camera::Camera;
 pub use light::{Light, LightPlace};
 pub use load::{check_format, load};
-pub use material::{Anisotropy, Dielectric, FacetKind, Facets, Inner, Interior, Layers, Material, Metallic};
+pub use material::{
+    Anisotropy, Dielectric, FacetKind, Facets, Inner, Interior, Layers, Material, Metallic, Mixture,
+    number_rests,
+};
 pub use spectra::{MaterialSpectra, WavelengthReason, Wavelengths};
 pub(crate) use warnings::quoted;
 pub(crate) use weld::Surface as GlassSurface;

@@ -162,6 +162,8 @@ pub(crate) struct RawMaterial {
     pub(crate) map_pr: Option<StatedTexture>,
     /// Texture of the metallic part `pm`.
     pub(crate) map_pm: Option<StatedTexture>,
+    /// Set by a scene file: texture of the transmission.
+    pub(crate) map_transmission: Option<StatedTexture>,
     /// Texture of the emitted radiance.
     pub(crate) map_ke: Option<StatedTexture>,
     /// Texture of normals.

@@ -21,13 +21,13 @@
 //!    opaque material transparent.
 
 use super::facets::{self, Numbers};
-use super::layers;
+use super::layers::{self, Rest, Transmitting};
 use super::material::{GREY, WHITE};
 use super::mtl::{At, Kind, OtherMap, RawMaterial, RawSpectra};
 use super::texture::store::{Role, Store};
 use super::texture::{Opacity, Relief, ReliefKind, Texture};
 use super::warnings::{Named, Warnings};
-use super::{Dielectric, Interior, Material, MaterialSpectra};
+use super::{Dielectric, Interior, Material, MaterialSpectra, Mixture};
 use crate::spectrum::{self, BLACK, Bands, Spectrum};
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -53,8 +53,47 @@ const ALBEDO_SLACK: f32 = 1e-6;
 pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut Warnings) -> Result<Material> {
     check(raw)?;
     let mut warn = |line: Option<usize>, what: &str| warn_of(raw, warnings, line, what);
-    let transmitting = layers::transmitting(raw, facets::PRINCIPLED_ROUGHNESS, &mut warn);
-    let raw = transmitting.as_ref().unwrap_or(raw);
+    match layers::transmitting(raw, facets::PRINCIPLED_ROUGHNESS, &mut warn) {
+        Some(transmitting) => transmits_in_part(raw, transmitting, textures, warnings),
+        None => whole(raw, false, textures, warnings),
+    }
+}
+
+/// A principled material that is glass, all of it or in part.
+fn transmits_in_part(
+    raw: &RawMaterial,
+    Transmitting { mut glass, rest }: Transmitting,
+    textures: &mut Store,
+    warnings: &mut Warnings,
+) -> Result<Material> {
+    let tint = match glass.map_kd.take() {
+        Some(stated) => textures.texture(&stated, Role::Colour, warnings)?,
+        None => None,
+    };
+    let [transmission_map, metallic_map] = [&raw.map_transmission, &raw.map_pm].map(|stated| match stated {
+        Some(stated) => textures.number(stated, warnings),
+        None => Ok(None),
+    });
+    let (transmission_map, metallic_map) = (transmission_map?, metallic_map?);
+    let mut result = whole(&glass, false, textures, warnings)?;
+    result.diffuse_texture = tint;
+    if let Some(Rest { raw: mut rest, transmission, metallic, varies }) = rest {
+        // they have been told of
+        rest.other_maps.clear();
+        let rest = Box::new(whole(&rest, varies, textures, warnings)?);
+        result.mixture =
+            Some(Mixture { transmission, transmission_map, metallic, metallic_map, rest, number: 0 });
+    }
+    Ok(result)
+}
+
+/// A material that is the same thing all over; `is_rest` of one that is not: what of it is metal is settled at each place.
+fn whole(
+    raw: &RawMaterial,
+    is_rest: bool,
+    textures: &mut Store,
+    warnings: &mut Warnings,
+) -> Result<Material> {
     let kind = raw.kind.unwrap_or_else(|| kind(raw));
     let colour = match raw.map_kd.as_ref().filter(|_| kind != Kind::Glass) {
         Some(stated) => textures.texture(stated, Role::Colour, warnings)?,
@@ -67,7 +106,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     });
     let relief = relief(raw, textures, warnings)?;
     let emission = emission(raw, textures, warnings)?;
-    let numbers = Numbers { roughness: roughness?, metallic: metallic? };
+    let numbers = Numbers { roughness: roughness?, metallic: metallic?, is_rest };
     let mut warn = |line: Option<usize>, what: &str| warn_of(raw, warnings, line, what);
     for OtherMap { key, line, .. } in &raw.other_maps {
         warn(Some(*line), &format!("{key} is not read; its plain value is used"));
@@ -112,7 +151,7 @@ pub(crate) fn material(raw: &RawMaterial, textures: &mut Store, warnings: &mut W
     // the largest texel says how much is reflected
     let most = colour.as_ref().map_or(WHITE, |texture| spectrum::from_rgb(texture.most()));
     result.diffuse_texture = colour;
-    result.spectra = spectra(raw, kind, numbers.metallic.is_some());
+    result.spectra = spectra(raw, kind, is_rest || numbers.metallic.is_some());
     match kind {
         _ if facets::apply(raw, kind, numbers, &mut result, &mut warn) => return Ok(result),
         Kind::Mirror => {

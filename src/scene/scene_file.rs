@@ -279,8 +279,9 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
     let single = |value: Option<At<f64>>| value.map(|v| At { value: v.value as f32, line: v.line });
     let map_kd = entry::texture(table, "kd", path)?;
     let map_d = entry::texture(table, "opacity", path)?;
-    let [map_pr, map_pm] =
-        [entry::number(table, "roughness", path)?, entry::number(table, "metallic", path)?];
+    let number = |key: &str| entry::number(table, key, path);
+    let (map_pr, map_pm, map_transmission) =
+        (number("roughness")?, number("metallic")?, number("transmission")?);
     let (norm, bump) = (entry::normals(table, path)?, entry::heights(table, path)?);
     if let (Some(_), Some(StatedTexture { line, .. })) = (&norm, &bump) {
         return Err(table.fault(*line, "both normal and bump", "give one of them"));
@@ -363,7 +364,8 @@ fn material(table: &Table, path: &Path, name: String) -> Result<RawMaterial> {
         eta,
         k,
         saturated: table.boolean("saturated")?,
-        layers: layers::read(table)?,
+        layers: layers::read(table, map_transmission.is_some())?,
+        map_transmission,
         ..Default::default()
     })
 }

@@ -26,6 +26,7 @@ mod harness;
 mod layers;
 mod lobes;
 mod media;
+mod mixtures;
 mod partition;
 mod rainbow;
 mod relief;

@@ -7,7 +7,8 @@ use joton::scene::texture::{
     Bitmap, Channel, Filter, NumberMap, Opacity, Relief, ReliefKind, Space, Texels, Texture, f16,
 };
 use joton::scene::{
-    Anisotropy, FacetKind, Facets, Inner, Interior, Layers, Light, Material, MaterialSpectra, Metallic, Scene,
+    Anisotropy, FacetKind, Facets, Inner, Interior, Layers, Light, Material, MaterialSpectra, Metallic,
+    Mixture, Scene,
 };
 use joton::spectrum::glass::Index;
 use std::path::Path;
@@ -73,6 +74,17 @@ fn flint() -> Material {
 /// Glass that takes the red and some of the blue on the way through it.
 fn green_glass() -> Material {
     Material { interior: Interior { absorption: [3.0, 0.0, 1.0], ..Interior::default() }, ..glass(1.5) }
+}
+
+/// The scene with glass of which so much is that, the rest grey.
+pub fn of_glass_in_part(mut scene: Scene, transmission: f32) -> Scene {
+    for m in scene.materials.iter_mut().filter(|m| m.dielectric.is_some() && transmission < 1.0) {
+        let (transmission_map, metallic, metallic_map) = (None, 0.0, None);
+        let rest = Box::new(Material { relief: m.relief.clone(), ..Material::matte("rest", [0.5; 3]) });
+        m.mixture = Some(Mixture { transmission, transmission_map, metallic, metallic_map, rest, number: 0 });
+    }
+    joton::scene::number_rests(&mut scene.materials);
+    scene
 }
 
 /// One of the scenes of the repository at `size` × `size` pixels.
@@ -498,6 +510,15 @@ pub fn all(size: u32) -> Vec<Twins> {
             Reason::NoLayers,
             case("cornell, coated", changed(file("cornell", size), coated)),
             case("cornell with layers", changed(file("cornell", size), layered)),
+        ),
+        twins(
+            Part::Mixtures,
+            Reason::NothingMixed,
+            case("plate, glass ball", plate_with_ball(white(), glass(1.5), size)),
+            case(
+                "plate, ball of glass in part",
+                of_glass_in_part(plate_with_ball(white(), glass(1.5), size), 0.5),
+            ),
         ),
         twins(
             Part::ShadingNormals,

@@ -55,6 +55,20 @@ fn wanted(m: &Material, n: DVec3, w: DVec3, wo: DVec3, from_front: bool) -> [f64
     // indices of the side of the eye, and of the other
     let ior = f64::from(glass.ior);
     let (near, far) = if from_front { (1.0, ior) } else { (ior, 1.0) };
+    if m.thin {
+        // a pane sends as much through as facets without their faces' reflectance would reflect, to where its mirror image is
+        let seen = if w.dot(n) > 0.0 { w } else { w - 2.0 * w.dot(n) * n };
+        let h = (wo + seen).normalize();
+        let d = density(alpha, n, h);
+        let face = fresnel(wo.dot(h), ior);
+        // what goes to and fro between the faces: R + T² R (1 + R² + R⁴ + …)
+        let pane = face + (1.0 - face).powi(2) * face / (1.0 - face * face);
+        let kept = match w.dot(n) > 0.0 {
+            true => f64::from(glass.reflection_tint[0]) * pane,
+            false => f64::from(glass.transmission_tint[0]) * (1.0 - pane),
+        };
+        return [kept * d / ((1.0 + lo + lw) * 4.0 * co), d / ((1.0 + lo) * 4.0 * co)];
+    }
     if w.dot(n) > 0.0 {
         let h = (wo + w).normalize();
         let d = density(alpha, n, h);
@@ -94,10 +108,11 @@ fn materials() -> Vec<Material> {
         });
     }
     let glass = Dielectric { ior: 1.5, reflection_tint: [0.9, 0.8, 0.7], transmission_tint: [0.8, 0.9, 1.0] };
-    for alpha in [0.01, 0.1, 0.5, 1.0] {
+    for (alpha, thin) in [0.01, 0.1, 0.5, 1.0].into_iter().flat_map(|alpha| [(alpha, false), (alpha, true)]) {
         all.push(Material {
             dielectric: Some(glass),
             facets: faceted(alpha, FacetKind::Interface),
+            thin,
             ..Material::matte("glass", [0.0; 3])
         });
     }
@@ -113,9 +128,11 @@ fn sent(m: &Material, n: DVec3, wo: DVec3, from_front: bool, i: usize) -> Option
     if ho <= 0.02 {
         return None;
     }
-    let Some(glass) = m.dielectric.filter(|_| way < 0.5) else {
-        return Some(2.0 * ho * h - wo).filter(|w| w.dot(n) > 0.02);
-    };
+    let reflected = Some(2.0 * ho * h - wo).filter(|w| w.dot(n) > 0.02);
+    let Some(glass) = m.dielectric.filter(|_| way < 0.5) else { return reflected };
+    if m.thin {
+        return reflected.map(|w| w - 2.0 * w.dot(n) * n);
+    }
     let eta = f64::from(if from_front { 1.0 / glass.ior } else { glass.ior });
     let cos2 = 1.0 - eta * eta * (1.0 - ho * ho);
     let w = -eta * wo + (eta * ho - cos2.max(0.0).sqrt()) * h;
@@ -146,7 +163,7 @@ fn followed_lobes_are_their_formulas() {
         declarations: "",
         code: "let m = material_at(u32(in_f(0u).w)); let n = in_f(0u).xyz; let w = in_f(1u).xyz; let wo = in_f(2u).xyz;
             let front = in_f(1u).w > 0.5;
-            let f = followed_from(Bsdf(m, -wo, front, n, n, at_angle(m, n, -wo, front), Bands(1.0), 0u, 0u), w);
+            let f = followed_from(Bsdf(m, -wo, front, n, n, at_angle(m, n, -wo, front), Bands(1.0), 0u, 0u, 0u), w);
             out_f(0u, vec4(f.f_cos, f.pdf));",
         overrides: &[],
     };

@@ -233,7 +233,7 @@ fn followed_coats_are_their_formulas() {
         }
     }
     let code = "let m = material_at(u32(in_f(0u).w)); let n = in_f(0u).xyz; let w = in_f(1u).xyz; let wo = in_f(2u).xyz;
-        let b = Bsdf(m, -wo, true, n, n, at_angle(m, n, -wo, true), Bands(1.0), 0u, 0u);
+        let b = Bsdf(m, -wo, true, n, n, at_angle(m, n, -wo, true), Bands(1.0), 0u, 0u, 0u);
         let base = followed_from(b, w);
         let coat = clear_coat_from(b, w);
         out_f(0u, vec4(base.f_cos, base.pdf));

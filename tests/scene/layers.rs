@@ -64,24 +64,67 @@ fn what_transmits_is_glass() {
     let absorbing =
         principled("kd = 1, transmission = 1, attenuation_color = [0.5, 1, 1], attenuation_distance = 2");
     assert!((absorbing.interior.absorption[0] - 2f32.ln() / 2.0).abs() < 1e-5, "{absorbing:?}");
-    for (keys, is_glass, words) in [
-        (
-            "transmission = 0.3",
-            false,
-            "s.toml:3: material \"cube\": transmission of 0.3 is taken for 0, opaque",
-        ),
-        ("transmission = 0.8", true, "transmission of 0.8 is taken for 1, glass"),
-        ("transmission = 1, metallic = 0.8", false, "taken for 0, opaque"),
-        ("transmission = 1, clearcoat = 1", true, "of what transmits are ignored"),
+    for (keys, words) in [
+        ("transmission = 1, clearcoat = 1", "of what transmits are ignored"),
+        ("transmission = 0.5, clearcoat = 1", "are ignored, which lie over the rest of it alone"),
     ] {
         let scene = scene(&format!("type = \"principled\", kd = 0.5, {keys}")).unwrap();
-        assert_eq!(scene.materials[0].dielectric.is_some(), is_glass, "{keys}");
+        assert!(scene.materials[0].dielectric.is_some(), "{keys}");
         assert!(scene.warnings.join("\n").contains(words), "{keys}: {:?}", scene.warnings);
     }
-    for keys in ["transmission = 0", "transmission = 1"] {
-        let warnings = scene(&format!("type = \"principled\", {keys}")).unwrap().warnings;
-        assert!(warnings.iter().all(|w| !w.contains("taken for")), "{keys}: {warnings:?}");
+    for keys in
+        ["transmission = 0", "transmission = 1", "transmission = 0.5", "transmission = 1, metallic = 1"]
+    {
+        let scene = scene(&format!("type = \"principled\", {keys}")).unwrap();
+        assert!(scene.warnings.is_empty(), "{keys}: {:?}", scene.warnings);
+        let is_opaque = keys.ends_with("= 0") || keys.contains("metallic");
+        assert_eq!(scene.materials[0].dielectric.is_none(), is_opaque, "{keys}");
     }
+}
+
+/// Transmission between 0 and 1 mixes glass and the opaque rest, to which all metal belongs; the rest is the last of the materials.
+#[test]
+fn what_transmits_in_part_is_a_mixture() {
+    let scene = scene(
+        "type = \"principled\", kd = [0.81, 0.64, 1], ior = 1.4, metallic = 0.5, transmission = 0.4, \
+         attenuation_color = 0.5, attenuation_distance = 1, clearcoat = 1",
+    )
+    .unwrap();
+    let [glass, rest] = &scene.materials[..] else { panic!("{:?}", scene.materials) };
+    let mixture = glass.mixture.as_ref().expect("a mixture");
+    assert!(mixture.number == 1 && *mixture.rest == *rest, "{mixture:?}");
+    assert_eq!((mixture.transmission, mixture.metallic), (0.4, 0.5));
+    assert!(glass.interior.absorption[0] > 0.6 && rest.dielectric.is_none(), "{glass:?}");
+    // of .8 that is no glass .5 is metal
+    let metal = 0.5 / 0.8;
+    assert!(is_near(rest.diffuse, [0.81, 0.64, 1.0].map(|x| x * (1.0 - metal))), "{rest:?}");
+    let head_on = (0.4f32 / 2.4).powi(2);
+    assert!(is_near(rest.glossy, [0.81, 0.64, 1.0].map(|x| head_on + metal * (x - head_on))), "{rest:?}");
+    assert_eq!(rest.layers.expect("its coat").clear_coat, 1.0);
+    assert!(glass.layers.is_none());
+}
+
+/// Transmission may be a picture, and so may the metallic part and the colour, which tints what goes through.
+#[test]
+fn mixtures_may_vary() {
+    let board = "{ checkerboard = [[0.25, 0.5, 0.75], [0.5, 0.75, 1.0]] }";
+    let glass = principled(&format!("kd = {board}, transmission = {board}, metallic = 0.5"));
+    let mixture = glass.mixture.as_ref().expect("a mixture");
+    assert_eq!(mixture.transmission_map.as_ref().expect("a map").range(), [0.25, 0.5]);
+    // what is metal is settled at each place
+    assert!(mixture.metallic == 0.5 && mixture.metallic_map.is_none());
+    let metal = mixture.rest.metallic.as_ref().expect("it is mixed");
+    assert!(metal.most == 0.5 && metal.map.is_none(), "{metal:?}");
+    assert!(glass.diffuse_texture.is_some() && glass.diffuse_texture == mixture.rest.diffuse_texture);
+    let opaque = principled(&format!("transmission = {board}, metallic = 1"));
+    assert!(opaque.dielectric.is_none() && opaque.mixture.is_none());
+    let pane = principled(&format!("kd = {board}, transmission = 1, thin = true"));
+    assert!(pane.mixture.is_none() && pane.diffuse_texture.is_some(), "{pane:?}");
+    let error =
+        scene("type = \"principled\", transmission = { texture = \"no.png\" }").expect_err("no picture");
+    assert!(error.to_string().contains("s.toml:3: texture no.png does not exist"), "{error}");
+    let error = scene("type = \"principled\", transmission = { channel = \"r\" }").expect_err("no picture");
+    assert!(error.to_string().contains("transmission"), "{error}");
 }
 
 /// Libraries: Pc, Pcr and Ps make a principled material, in Blender's as in others.

@@ -238,6 +238,10 @@ fn blender_means_what_it_says_there() {
     }
     let mirror = blender("Kd 1 .77 .34\nKs .5 .5 .5\nillum 3\nPr 0\nPm 1");
     assert!(is_near(mirror.glossy, [1.0, 0.77, 0.34]) && alpha(&mirror) == 0.0, "{mirror:?}");
+    let cloudy = blender("Kd 1 .81 1\nKs .5 .5 .5\nNi 1.45\nillum 2\nPr .2\nPm 0\nTf .4 .4 .4");
+    let mixture = cloudy.mixture.as_ref().expect("glass in part");
+    assert!(mixture.transmission == 0.4 && cloudy.dielectric.expect("glass").ior == 1.45, "{cloudy:?}");
+    assert!((mixture.rest.glossy[0] - (0.45f32 / 2.45).powi(2)).abs() < 1e-6, "{mixture:?}");
     let glass = blender("Kd 1 .81 1\nKs .5 .5 .5\nillum 2\nPr 0\nPm 0\nTf 1 1 1").dielectric.expect("glass");
     assert!(glass.ior == 1.45 && is_near(glass.transmission_tint, [1.0, 0.9, 1.0]), "{glass:?}");
     let other = load("# by hand", "Kd .4 .4 .2\nKs .5 .5 .5\nillum 2\nNs 250");

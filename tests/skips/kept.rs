@@ -105,6 +105,7 @@ fn deprived(mut plan: Plan, part: Part) -> Option<Plan> {
         Part::Microfacets => &mut features.facets,
         Part::Anisotropy => &mut features.anisotropy,
         Part::Layers => &mut features.layers,
+        Part::Mixtures => &mut features.mixtures,
         Part::ShadingNormals => &mut features.smooth_normals,
         Part::DeltaLights => &mut features.delta_lights,
         Part::Contacts => &mut features.contacts,
@@ -131,7 +132,7 @@ fn leaving_out_what_is_needed_changes_the_image() {
             assert!(own != less, "{:?}, {side:?}: {}", t.part, t.with.name);
         }
     }
-    assert_eq!(done.len(), 22, "{done:?}");
+    assert_eq!(done.len(), 23, "{done:?}");
 }
 
 /// What is not skipped cannot be kept: where a scene needs a part, `--no-skip` leaves plan and image as they are.

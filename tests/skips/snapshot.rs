@@ -37,7 +37,7 @@ fn skips_are_those_of_the_snapshot() {
 }
 
 /// All reasons of a plan.
-const REASONS: [Reason; 33] = [
+const REASONS: [Reason; 34] = [
     Reason::ClosedRoom,
     Reason::NoSpecularSurface,
     Reason::SpecularInTheDark,
@@ -59,6 +59,7 @@ const REASONS: [Reason; 33] = [
     Reason::NoMicrofacets,
     Reason::NothingBrushed,
     Reason::NoLayers,
+    Reason::NothingMixed,
     Reason::AllFlat,
     Reason::AllLightsAreSurfaces,
     Reason::NothingTouches,

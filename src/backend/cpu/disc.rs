@@ -175,7 +175,7 @@ fn near_ball(scene: &PackedScene, center: Vec3, radius: f32) -> Option<Vec<Near>
         }
         count += 1;
         if count <= DISC_TRIANGLES {
-            let takes_jotons = scene.materials[t.material as usize].flags().has_diffuse();
+            let takes_jotons = scene.materials[t.material as usize].flags().stores();
             all.push(Near { corners, normal: across / length_squared.sqrt(), takes_jotons });
         }
     });

@@ -122,7 +122,7 @@ impl Tracer<'_> {
             flux = arrives;
             let wi_ng = s.back.dot(s.ng);
             let adjoint_in = if s.smooth { limited(s.back.dot(s.ns).abs() / wi_ng) } else { 1.0 };
-            if s.flags().has_diffuse() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
+            if s.flags().stores() && (if CAUSTIC { specular > 0 } else { diffuse > 0 }) {
                 // fewer jotons meet what is there in part, but discs have all of its area
                 let there = cutout::opacity(s.textures, s.material, s.texture.uv).max(OPACITY_LEAST);
                 let counts_as = if CAUSTIC { 1.0 } else { self.counts_as(&s, i, event) } / there;

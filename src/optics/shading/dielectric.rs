@@ -20,7 +20,7 @@ pub(crate) fn fresnel(cos_i: f32, eta: f32) -> f32 {
 }
 
 /// Reflectance of a thin pane whose faces reflect `face` each: what goes to and fro between them adds up as flux \[E26\].
-fn pane_reflectance(face: f32) -> f32 {
+pub(super) fn pane_reflectance(face: f32) -> f32 {
     2.0 * face / (1.0 + face)
 }
 

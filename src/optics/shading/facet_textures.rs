@@ -1,6 +1,7 @@
 //! Microfacets whose roughness, or whose part that is metal, is looked up at each place \[E47\]. Twin:
 //! shaders/shading/facet_textures.wgsl.
 
+use super::mixture::Met;
 use super::texture;
 use crate::packed::constants::{FOLLOWED_ALPHA, SMOOTH_ALPHA};
 use crate::packed::{MaterialFlags, PackedMaterial, Textures};
@@ -9,10 +10,19 @@ use half::f16;
 
 /// The material at texture coordinates, to who sees so much of these at once. Its `diffuse` is the colour of base and metal there,
 /// over what its coat takes.
-pub(super) fn at(m: &PackedMaterial, textures: &Textures, uv: [f32; 2], width: f32) -> PackedMaterial {
+pub(super) fn at(
+    m: &PackedMaterial,
+    textures: &Textures,
+    uv: [f32; 2],
+    width: f32,
+    met: Option<Met>,
+) -> PackedMaterial {
     let number = |map: Option<u32>| map.map(|map| texture::number(textures, map, uv, width).min(1.0));
     let alpha = number(m.roughness_texture()).map_or(m.alpha, |roughness| roughness * roughness);
     let metallic = number(m.metallic_texture()).unwrap_or(m.metallic);
+    // of what is glass in part what is stated is of all of it
+    let rest = met.filter(|_| m.flags().is_mixed());
+    let metallic = rest.map_or(metallic, |met| met.metallic_of_rest(metallic));
     // what a gather point keeps of them on a device
     let [alpha, metallic] = [alpha, metallic].map(|x| f16::from_f32(x).to_f32());
     let alpha = if alpha < SMOOTH_ALPHA { 0.0 } else { alpha };

@@ -26,15 +26,22 @@ impl Bsdf {
         let of_texture = width * place.per_unit;
         let coloured = m.colour_texture().map(|number| {
             let reflected = texture::in_bands(s.textures, s.of_texel, number, place.uv, of_texture);
-            let transmission =
-                if m.flags().is_translucent() { mul(&m.transmission, &reflected) } else { m.transmission };
+            // a body is passed by two faces
+            let passed = |x: &f32| if m.flags().is_thin() { *x } else { x.max(0.0).sqrt() };
+            let transmission = match m.flags() {
+                flags if flags.is_translucent() => mul(&m.transmission, &reflected),
+                flags if flags.is_dielectric() => {
+                    mul(&m.transmission, &reflected.each_ref().map(passed).map(|x| x.min(1.0)))
+                }
+                _ => m.transmission,
+            };
             PackedMaterial { diffuse: mul(&m.diffuse, &reflected), transmission, ..*m }
         });
         let m = coloured.as_ref().unwrap_or(m);
         let brushed = anisotropy::at(m, &place, s.plain, frame.ns);
         let m = brushed.as_ref().unwrap_or(m);
         if m.flags().is_varied() {
-            return Self::new(&facet_textures::at(m, s.textures, place.uv, of_texture), frame);
+            return Self::new(&facet_textures::at(m, s.textures, place.uv, of_texture, s.met), frame);
         }
         Self::new(m, frame)
     }

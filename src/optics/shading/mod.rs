@@ -15,6 +15,7 @@ mod layers;
 pub(crate) mod material;
 mod microfacet;
 mod mirror;
+pub(crate) mod mixture;
 pub mod phong;
 pub(crate) mod relief;
 mod rough_interface;

@@ -218,7 +218,7 @@ fn hits(
     let mut scattered = false;
     for event in 0..if is_caustic { CHAIN } else { EVENTS } {
         let Some(s) = SurfaceInteraction::hit(scene, &ray) else { break };
-        let stores = (if is_caustic { event > 0 } else { scattered }) && s.flags().has_diffuse();
+        let stores = (if is_caustic { event > 0 } else { scattered }) && s.flags().stores();
         if stores {
             stored.push(Stored { towards, weight, position: s.position, normal: s.ng });
         }
