@@ -260,14 +260,19 @@ impl Material {
         self.surface_textures().chain(opacity)
     }
 
-    /// Likewise, to change them.
-    pub(crate) fn textures_mut(&mut self) -> impl Iterator<Item = &mut Texture> {
+    /// Change them, and those of the opaque part of a mixture.
+    pub(crate) fn change_textures(&mut self, change: &mut impl FnMut(&mut Texture)) {
         let opacity = self.opacity.iter_mut().filter_map(|o| o.texture.as_mut());
         let metallic = self.metallic.iter_mut().filter_map(|m| m.map.as_mut());
-        let numbers = self.roughness.iter_mut().chain(metallic).map(|map| &mut map.texture);
+        let mixed = self.mixture.iter_mut();
+        let mixed = mixed.flat_map(|m| m.transmission_map.iter_mut().chain(&mut m.metallic_map));
+        let numbers = self.roughness.iter_mut().chain(metallic).chain(mixed).map(|map| &mut map.texture);
         let relief = self.relief.iter_mut().map(|relief| &mut relief.texture);
         let colours = self.diffuse_texture.iter_mut().chain(&mut self.emission_texture);
-        colours.chain(numbers).chain(relief).chain(opacity)
+        colours.chain(numbers).chain(relief).chain(opacity).for_each(&mut *change);
+        if let Some(mixture) = &mut self.mixture {
+            mixture.rest.change_textures(change);
+        }
     }
 
     /// Those of them that are looked up where a ray has met it.

@@ -1,7 +1,7 @@
 //! Surfaces that are glass in part [E57], and rough panes [E58].
 
 use crate::build::{Build, glowing, matte, pane, reflectance, v};
-use crate::harness::{EVERYTHING, Renderer, Values, WAYS, everyone, render, render_keeping};
+use crate::harness::{EVERYTHING, Values, everyone, everyone_both_ways, render, render_keeping};
 use joton::film::Layer;
 use joton::scene::texture::{Bitmap, Channel, Filter, NumberMap, Space, Texture};
 use joton::scene::{FacetKind, Facets, Layers, Material, Metallic, Mixture, number_rests};
@@ -96,10 +96,7 @@ fn jotons_meet_mixtures() {
         number_rests(&mut b.0.materials);
         b
     };
-    for (who, keep) in everyone().into_iter().flat_map(|who| WAYS.map(|keep| (who, keep))) {
-        if who == Renderer::PathTracer && !keep.is_empty() {
-            continue;
-        }
+    for (who, keep) in everyone_both_ways(&scene(0.0).0) {
         let whole = render_keeping(who, &scene(0.0).0, EVERYTHING, 48, keep).layer(Layer::Diffuse).mean;
         let part = render_keeping(who, &scene(GLASS as f32).0, EVERYTHING, 64, keep);
         part.claim("diffuse", part.layer(Layer::Diffuse), whole.map(|x| (1.0 - GLASS) * x), 0.09);

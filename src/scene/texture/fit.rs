@@ -80,10 +80,12 @@ pub(crate) fn address(bitmap: &Arc<Bitmap>) -> usize {
 
 /// Let materials show pictures in place of others.
 pub(crate) fn replace(materials: &mut [Material], by: &Replaced) {
-    for texture in materials.iter_mut().flat_map(Material::textures_mut) {
-        if let Some(bitmap) = by.get(&address(&texture.bitmap)) {
-            texture.bitmap = bitmap.clone();
-        }
+    for material in materials {
+        material.change_textures(&mut |texture| {
+            if let Some(bitmap) = by.get(&address(&texture.bitmap)) {
+                texture.bitmap = bitmap.clone();
+            }
+        });
     }
 }
 
