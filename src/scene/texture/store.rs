@@ -95,7 +95,7 @@ impl Store {
         warnings: &mut Warnings,
     ) -> Result<Option<Texture>> {
         let bitmap = match &stated.source {
-            Source::Board(colours) => self.board(*colours),
+            Source::Board(colours) => self.board(*colours, role),
             Source::File(name) => {
                 let Some(path) = self.find(stated, name) else {
                     if stated.is_required {
@@ -144,8 +144,11 @@ impl Store {
         Ok(texture.map(|texture| NumberMap { texture, channel: stated.channel, factor: stated.factor }))
     }
 
-    fn board(&mut self, colours: [[f32; 3]; 2]) -> Arc<Bitmap> {
-        let board = Bitmap::board(colours);
+    fn board(&mut self, colours: [[f32; 3]; 2], role: Role) -> Arc<Bitmap> {
+        let mut board = Bitmap::board(colours);
+        if role == Role::Opacity {
+            board = derived(&board, role, [0.0, 1.0], Space::Linear);
+        }
         if let Some(known) = self.boards.iter().find(|known| ***known == board) {
             return known.clone();
         }
