@@ -3,7 +3,8 @@
 use super::render::Spectral;
 use super::{DONE, tell};
 use clap::Args;
-use joton::output::{self, export};
+use joton::output;
+use joton::output::export::{self, Fidelity};
 use joton::{Error, Result};
 use std::path::PathBuf;
 
@@ -18,9 +19,12 @@ pub(super) struct ExportArguments {
     /// Image size, instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
     size: Option<[u32; 2]>,
-    /// Write a scene that is rendered by wavelength; what is stated so can only be written as red, green and blue (off).
+    /// Write for Mitsuba's spectral variants: auto where the scene has spectra; off for its rgb variants.
     #[arg(long, default_value = "auto")]
     spectral: Spectral,
+    /// Write rough surfaces, too, which others define a little differently.
+    #[arg(long)]
+    near: bool,
 }
 
 pub(super) fn run(a: &ExportArguments) -> Result<u8> {
@@ -37,7 +41,13 @@ pub(super) fn run(a: &ExportArguments) -> Result<u8> {
     for warning in &scene.warnings {
         tell(format_args!("joton: warning: {warning}"));
     }
-    let exported = export::write_mitsuba(&scene, &a.scene, &a.output)?;
-    tell(format_args!("joton: {} and {} meshes", a.output.display(), exported.files.len() - 1));
+    let fidelity = if a.near { Fidelity::Near } else { Fidelity::Exact };
+    let exported = export::write_mitsuba(&scene, &a.scene, &a.output, fidelity)?;
+    let variant = if scene.wavelengths.are_rendered { "spectral" } else { "rgb" };
+    let others = exported.files.len() - 1;
+    tell(format_args!(
+        "joton: {} for variants of {variant}, and {others} files beside it",
+        a.output.display()
+    ));
     Ok(DONE)
 }

@@ -3,7 +3,7 @@
 use super::tell;
 use joton::bench::versus::{self, Choice, PeerScene, Traits};
 use joton::bench::{Row, Subject, Summary};
-use joton::output::export::{Exported, write_mitsuba};
+use joton::output::export::{Exported, Fidelity, write_mitsuba};
 use joton::scene::Scene;
 use joton::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -58,7 +58,11 @@ impl Versus {
     /// Export a scene; `index` tells scenes apart.
     pub(super) fn export(&self, scene: &Scene, source: &Path, index: usize) -> Result<Peer> {
         let file = self.folder.path().join(format!("scene{index}.xml"));
-        let exported = write_mitsuba(scene, source, &file)?;
+        if scene.wavelengths.are_rendered {
+            let what = "other renderers are driven in red, green and blue, and the scene is by wavelength";
+            return Err(Error::scene(source, None, what, "compare red, green and blue: --spectral off"));
+        }
+        let exported = write_mitsuba(scene, source, &file, Fidelity::Exact)?;
         // whatever is asked for in vain is told before anything renders
         self.devices(source, &exported)?;
         Ok(Peer { file, exported })

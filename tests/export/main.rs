@@ -1,7 +1,9 @@
 //! `joton export`: the XML says what the scene is, the meshes hold its triangles, and what others cannot do is refused.
 
+mod looks;
+
 use glam::{DVec3, Vec3};
-use joton::output::export::{Exported, write_mitsuba};
+use joton::output::export::{Exported, Fidelity, write_mitsuba};
 use joton::scene::{Scene, load};
 use roxmltree::{Document, Node};
 use std::fs;
@@ -22,9 +24,13 @@ struct Written {
 
 impl Written {
     fn of(scene: Scene, source: &Path) -> Self {
+        Self::with(scene, source, Fidelity::Exact)
+    }
+
+    fn with(scene: Scene, source: &Path, fidelity: Fidelity) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let out = folder.path().join("out.xml");
-        let exported = write_mitsuba(&scene, source, &out).unwrap_or_else(|e| panic!("{e}"));
+        let exported = write_mitsuba(&scene, source, &out, fidelity).unwrap_or_else(|e| panic!("{e}"));
         let text = fs::read_to_string(out).expect("a scene file");
         Self { folder, scene, exported, text }
     }
@@ -56,8 +62,12 @@ fn small(toml: &str, obj: &str, mtl: &str) -> (TempDir, PathBuf) {
 }
 
 fn export_small(toml: &str, obj: &str, mtl: &str) -> Written {
+    export_small_as(toml, obj, mtl, Fidelity::Exact)
+}
+
+fn export_small_as(toml: &str, obj: &str, mtl: &str, fidelity: Fidelity) -> Written {
     let (_folder, path) = small(toml, obj, mtl);
-    Written::of(load(&path).unwrap_or_else(|e| panic!("{e}")), &path)
+    Written::with(load(&path).unwrap_or_else(|e| panic!("{e}")), &path, fidelity)
 }
 
 /// A flat triangle, and a matte material that shines.
@@ -325,18 +335,38 @@ fn what_others_cannot_do_is_refused() {
     let soft = "[[light]]\nkind = \"spot\"\nposition = [0, 0, 2]\ndirection = [0, 0, -1]\nintensity = 1\n\
                 angle_inner = 20\nangle_outer = 30\n";
     let far = "v 1e5 0 0\nv 100001 0 0\nv 1e5 1 0\nusemtl a\nf 1 2 3\n";
-    let board =
-        format!("{POINT}[[material]]\nname = \"a\"\nkd = {{ checkerboard = [[0, 0, 0], [1, 1, 1]] }}\n");
-    let half = format!("{POINT}[[material]]\nname = \"a\"\nopacity = 0.5\n");
+    let of = |keys: &str| format!("{POINT}[[material]]\nname = \"a\"\n{keys}\n");
+    let board = "{ checkerboard = [[0, 0, 0], [1, 1, 1]] }";
+    let glowing = of(&format!("ke = {board}"));
+    let varying = of(&format!("type = \"metal\"\nroughness = {board}"));
+    let bumped = of("bump = { checkerboard = [[0, 0, 0], [1, 1, 1]], height = 0.1 }");
+    let coloured = of("type = \"metal\"\nks = [0.9, 0.5, 0.2]");
+    let tough = of("type = \"plastic\"\nroughness = 0.5");
+    let coat = of("type = \"principled\"\nclearcoat = 1");
+    let saturated = of(&format!("type = \"plastic\"\nsaturated = true\nkd = {board}"));
+    let paper = of("transmit = 0.2");
+    let flint = of("type = \"glass\"\nior = \"sf10\"");
+    let spectral = of("kd = { spectrum = [[400, 0.1], [700, 0.2]] }");
+    let pictured = format!("{spectral}[[shape]]\nkind = \"cube\"\nmaterial = {{ kd = {board} }}\n");
+    let laser = "[[light]]\nkind = \"point\"\nposition = [0, 0, 2]\nintensity = { lines = [[532, 1.0]] }\n";
     let matte = "newmtl a\nKd 0.5 0.5 0.5\n";
     let glass = |key: &str| format!("{POINT}[[material]]\nname = \"a\"\ntype = \"glass\"\n{key}\n");
     let (dark, first) = (glass("absorption = 2"), glass("priority = 1"));
     for (toml, obj, mtl, culprit, remedy) in [
         (&dark[..], TRIANGLE, matte, "material \"a\": what its inside absorbs", "a tint"),
         (&first, TRIANGLE, matte, "material \"a\": its priority", "an index over"),
-        (&board, TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
-        (&half, TRIANGLE, matte, "material \"a\": textures and opacities", "a plain kd"),
-        (POINT, TRIANGLE, rough, "material \"a\": its microfacets", "smooth glass"),
+        (&glowing, TRIANGLE, matte, "material \"a\": light from pictures", "a plain ke"),
+        (&varying, TRIANGLE, matte, "material \"a\": roughness that varies", "one roughness"),
+        (&bumped, TRIANGLE, matte, "material \"a\": its normals or bumps", "leave its normal"),
+        (&coloured, TRIANGLE, matte, "material \"a\": metal by its colour", "eta and k"),
+        (&tough, TRIANGLE, matte, "material \"a\": other renderers shadow rough surfaces", "--near"),
+        (&coat, TRIANGLE, matte, "material \"a\": its layers", "make it plastic"),
+        (&saturated, TRIANGLE, matte, "material \"a\": a texture under a coat", "leave saturated out"),
+        (&paper, TRIANGLE, matte, "material \"a\": what it scatters through", "leave its transmit out"),
+        (&flint, TRIANGLE, matte, "material \"a\": glass that parts colours", "one number as ior"),
+        (&pictured, TRIANGLE, matte, "between colours of a texture", "--spectral off"),
+        (laser, TRIANGLE, matte, "light of lines", "peaks of some width"),
+        (POINT, TRIANGLE, rough, "material \"a\": metal by its colour, and what is matte", "make it plastic"),
         (POINT, TRIANGLE, glossy, "material \"a\": its glossy lobe", "make it matte"),
         (POINT, TRIANGLE, blend, "material \"a\": its sum of a matte and a mirror lobe", "make it matte"),
         (soft, TRIANGLE, SHINING, "light 1: the soft edge of a spot", "angle_inner = angle_outer"),
@@ -346,7 +376,10 @@ fn what_others_cannot_do_is_refused() {
         let (folder, path) = small(toml, obj, mtl);
         let scene = load(&path).unwrap_or_else(|e| panic!("{e}"));
         let before = fs::read_dir(folder.path()).expect("a folder").count();
-        let e = write_mitsuba(&scene, &path, &folder.path().join("out.xml")).expect_err(culprit).to_string();
+        let e = {
+            let out = folder.path().join("out.xml");
+            write_mitsuba(&scene, &path, &out, Fidelity::Exact).expect_err(culprit).to_string()
+        };
         assert!(e.contains("s.toml") && e.contains(culprit) && e.contains(remedy), "{culprit}: {e}");
         assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), before, "{culprit}");
     }

@@ -64,9 +64,13 @@ def material(name, bsdf):
     kind = bsdf.get("type")
     if kind == "twosided":
         return material(name, bsdf.find("bsdf"))
+    if bsdf.find("texture") is not None:
+        raise ValueError(f"the texture of material {name} is not written for LuxCore")
     if kind == "diffuse":
         return {f"{name}.type": "matte", f"{name}.kd": bands(bsdf, "reflectance")}
     if kind == "conductor":
+        if bsdf.find("rgb[@name='eta']") is not None:
+            raise ValueError(f"the metal of material {name} is not written for LuxCore")
         return {f"{name}.type": "mirror", f"{name}.kr": bands(bsdf, "specular_reflectance")}
     if kind == "dielectric":
         return {

@@ -1,9 +1,12 @@
-//! Mitsuba: a scene file of Mitsuba 3 for its rgb variants, where radiance, reflectance and intensity are plain bands.
+//! Mitsuba: a scene file of Mitsuba 3, for its rgb variants, where radiance, reflectance and intensity are plain bands, or for
+//! its spectral ones.
 
+use super::bsdf::Bsdfs;
+use super::colour::Colour;
+use super::pfm::PictureFile;
 use super::shapes::Shape;
-use super::subset::Bsdf;
+use super::xml::{colour, escaped, float, list, triple};
 use crate::scene::{Light, Scene};
-use crate::spectrum::{Bands, is_black};
 use glam::DVec3;
 use std::fmt::Write;
 
@@ -12,8 +15,14 @@ const NEAR: f64 = 1e-6;
 /// The far plane lies behind everything.
 const FAR: f64 = 2.0;
 
-/// The scene file. `meshes` names a file for each shape, in the folder of the scene file.
-pub(super) fn text(scene: &Scene, shapes: &[Shape<'_>], meshes: &[String], emitters: &[String]) -> String {
+/// The scene file, and the pictures that it names. `meshes` names a file for each shape, in the folder of the scene file.
+pub(super) fn text(
+    scene: &Scene,
+    stem: &str,
+    shapes: &[Shape<'_>],
+    meshes: &[String],
+    emitters: &[String],
+) -> (String, Vec<PictureFile>) {
     let mut out = String::from("<!-- written by joton; right-handed, y up; W/(m² sr), linear RGB -->\n");
     let mut line = |text: String| {
         out += &text;
@@ -24,11 +33,12 @@ pub(super) fn text(scene: &Scene, shapes: &[Shape<'_>], meshes: &[String], emitt
     line("<integrator type=\"path\"><integer name=\"max_depth\" value=\"-1\"/></integrator>".into());
     line(sensor(scene));
     let mut defined = None;
+    let mut bsdfs = Bsdfs::new(stem);
     for (shape, mesh) in shapes.iter().zip(meshes) {
         let id = escaped(&format!("{} {}", shape.material_index, shape.material));
         // shapes come in the order of their materials
         if defined.replace(shape.material_index) != Some(shape.material_index) {
-            line(bsdf(&shape.bsdf, &id));
+            line(bsdfs.text(&shape.look, shape.material_index, &id));
         }
         line(self::shape(shape, mesh, &id));
     }
@@ -36,7 +46,7 @@ pub(super) fn text(scene: &Scene, shapes: &[Shape<'_>], meshes: &[String], emitt
         line(emitter.clone());
     }
     line("</scene>".into());
-    out
+    (out, bsdfs.pictures)
 }
 
 fn sensor(scene: &Scene) -> String {
@@ -61,33 +71,10 @@ fn sensor(scene: &Scene) -> String {
     out
 }
 
-fn bsdf(bsdf: &Bsdf, id: &str) -> String {
-    let two_sided = |inner: String| format!("<bsdf type=\"twosided\" id=\"{id}\">{inner}</bsdf>");
-    let diffuse = |kd: &Bands| format!("<bsdf type=\"diffuse\">{}</bsdf>", rgb("reflectance", kd));
-    let mirror = |ks: &Bands| {
-        let reflectance = rgb("specular_reflectance", ks);
-        format!("<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{reflectance}</bsdf>")
-    };
-    match bsdf {
-        Bsdf::Diffuse(kd) => two_sided(diffuse(kd)),
-        Bsdf::Mirror(ks) => two_sided(mirror(ks)),
-        Bsdf::Dielectric(d) | Bsdf::Pane(d) => format!(
-            "<bsdf type=\"{}\" id=\"{id}\">{}{}{}{}</bsdf>",
-            if matches!(bsdf, Bsdf::Pane(_)) { "thindielectric" } else { "dielectric" },
-            float("int_ior", d.ior),
-            float("ext_ior", 1.0),
-            rgb("specular_reflectance", &d.reflection_tint),
-            rgb("specular_transmittance", &d.transmission_tint)
-        ),
-    }
-}
-
 fn shape(shape: &Shape<'_>, mesh: &str, id: &str) -> String {
-    let emitter = if is_black(&shape.emission) {
-        String::new()
-    } else {
-        format!("<emitter type=\"area\">{}</emitter>", rgb("radiance", &shape.emission))
-    };
+    let emitter = shape.emission.as_ref().map_or(String::new(), |radiance| {
+        format!("<emitter type=\"area\">{}</emitter>", colour("radiance", radiance))
+    });
     format!(
         "<shape type=\"ply\"><string name=\"filename\" value=\"{}\"/><boolean name=\"face_normals\" value=\"{}\"/>\
          {emitter}<ref id=\"{id}\"/></shape>",
@@ -96,8 +83,10 @@ fn shape(shape: &Shape<'_>, mesh: &str, id: &str) -> String {
     )
 }
 
-/// A light; none where it has no counterpart.
-pub(super) fn emitter(light: &Light) -> Option<String> {
+/// A light, by its number from 0; none where it has no counterpart.
+pub(super) fn emitter(scene: &Scene, number: usize, light: &Light) -> Option<String> {
+    let stated = scene.spectrum_of_light(number).filter(|_| scene.wavelengths.are_rendered);
+    let rgb = |name: &str, bands: &_| colour(name, &Colour::emission(bands, stated));
     if let Light::Point { position, intensity } = light {
         let (position, intensity) = (triple("point", "position", *position), rgb("intensity", intensity));
         return Some(format!("<emitter type=\"point\">{position}{intensity}</emitter>"));
@@ -125,38 +114,4 @@ fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> String {
     format!(
         "<transform name=\"to_world\"><lookat origin=\"{origin}\" target=\"{target}\" up=\"{up}\"/></transform>"
     )
-}
-
-fn float(name: &str, value: impl std::fmt::Display) -> String {
-    format!("<float name=\"{name}\" value=\"{value}\"/>")
-}
-
-fn rgb(name: &str, bands: &Bands) -> String {
-    format!("<rgb name=\"{name}\" value=\"{}\"/>", list(bands))
-}
-
-fn triple(kind: &str, name: &str, v: DVec3) -> String {
-    format!("<{kind} name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", v.x, v.y, v.z)
-}
-
-/// Numbers with all their digits.
-fn list(values: &[impl std::fmt::Display]) -> String {
-    values.iter().map(|v| v.to_string()).collect::<Vec<_>>().join(", ")
-}
-
-/// Text inside an attribute. Characters that XML does not allow at all become spaces; `$` would name a parameter.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            '$' => out += "_",
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
 }

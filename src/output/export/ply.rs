@@ -5,10 +5,13 @@ use super::shapes::Shape;
 /// Corners of a face.
 const CORNERS: u8 = 3;
 
-/// The file's bytes: positions, normals where the shape is smooth, triangles.
+/// The file's bytes: positions, normals where the shape is smooth, texture coordinates where a picture
+/// lies on it, triangles.
 pub(super) fn bytes(shape: &Shape<'_>) -> Vec<u8> {
     let smooth = !shape.normals.is_empty();
-    let properties = if smooth { &["x", "y", "z", "nx", "ny", "nz"][..] } else { &["x", "y", "z"] };
+    let mut properties = vec!["x", "y", "z"];
+    properties.extend(if smooth { &["nx", "ny", "nz"][..] } else { &[] });
+    properties.extend(if shape.uvs.is_empty() { &[][..] } else { &["u", "v"] });
     let mut head =
         format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", shape.positions.len());
     for name in properties {
@@ -19,7 +22,8 @@ pub(super) fn bytes(shape: &Shape<'_>) -> Vec<u8> {
     let mut bytes = head.into_bytes();
     for (i, position) in shape.positions.iter().enumerate() {
         let normal = shape.normals.get(i).map(|n| n.to_array());
-        for x in position.to_array().into_iter().chain(normal.into_iter().flatten()) {
+        let uv = shape.uvs.get(i).into_iter().flatten().copied();
+        for x in position.to_array().into_iter().chain(normal.into_iter().flatten()).chain(uv) {
             bytes.extend(x.to_le_bytes());
         }
     }
