@@ -18,6 +18,7 @@ mod guide;
 mod images;
 mod layers;
 mod media;
+mod mitsuba;
 mod mixtures;
 mod negative;
 mod non_finite;

@@ -40,7 +40,6 @@ impl<'a> Bsdfs<'a> {
         let two_sided = |kind: &str, inner: String| {
             format!("<bsdf type=\"twosided\"{id}><bsdf type=\"{kind}\">{inner}</bsdf></bsdf>")
         };
-        let rough = |alpha: f32| (alpha > 0.0).then(|| microfacets(alpha)).unwrap_or_default();
         let prefix = |alpha: f32| if alpha > 0.0 { "rough" } else { "" };
         match bsdf {
             Bsdf::Diffuse(kd) => two_sided("diffuse", self.colour("reflectance", number, kd)),
@@ -50,7 +49,7 @@ impl<'a> Bsdfs<'a> {
             }
             Bsdf::Metal { eta, k, tint, alpha } => {
                 let tint = self.colour("specular_reflectance", number, tint);
-                let inner = format!("{}{}{}{tint}", rough(*alpha), colour("eta", eta), colour("k", k));
+                let inner = format!("{}{}{}{tint}", microfacets(*alpha), colour("eta", eta), colour("k", k));
                 two_sided(&format!("{}conductor", prefix(*alpha)), inner)
             }
             Bsdf::Tinted { colour: tint, alpha } => {
@@ -60,7 +59,7 @@ impl<'a> Bsdfs<'a> {
             }
             Bsdf::Plastic { ior, diffuse, reflectance, is_saturated, alpha } => {
                 let inner = [
-                    rough(*alpha),
+                    microfacets(*alpha),
                     indices(*ior),
                     format!("<boolean name=\"nonlinear\" value=\"{is_saturated}\"/>"),
                     self.colour("diffuse_reflectance", number, diffuse),
@@ -72,7 +71,7 @@ impl<'a> Bsdfs<'a> {
                 let kind = format!("{}dielectric", prefix(*alpha));
                 format!(
                     "<bsdf type=\"{kind}\"{id}>{}{}{}</bsdf>",
-                    rough(*alpha),
+                    microfacets(*alpha),
                     indices(dielectric.ior),
                     glass(tints)
                 )
@@ -129,6 +128,10 @@ fn glass([reflected, crossing]: &[Colour; 2]) -> String {
     format!("{reflected}{}", colour("specular_transmittance", crossing))
 }
 
+/// Nothing where it is smooth.
 fn microfacets(alpha: f32) -> String {
+    if alpha == 0.0 {
+        return String::new();
+    }
     format!("<string name=\"distribution\" value=\"ggx\"/>{}", float("alpha", alpha))
 }

@@ -159,7 +159,7 @@ fn counterpart(
 fn nearest(material: &Material, alpha: f32, by_wavelength: bool) -> std::result::Result<Bsdf, Refusal> {
     let spectra = material.spectra.as_deref().filter(|_| by_wavelength);
     let stated = |bands: &Bands, spectrum: Option<&Spectrum>| {
-        spectrum.map_or(Colour::Bands(*bands), |spectrum| Colour::reflectance(spectrum))
+        spectrum.map_or(Colour::Bands(*bands), Colour::reflectance)
     };
     if let Some(dielectric) = material.dielectric {
         let tints = [
