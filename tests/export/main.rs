@@ -345,6 +345,9 @@ fn what_others_cannot_do_is_refused() {
     let coat = of("type = \"principled\"\nclearcoat = 1");
     let saturated = of(&format!("type = \"plastic\"\nsaturated = true\nkd = {board}"));
     let paper = of("transmit = 0.2");
+    let cloudy = of("type = \"principled\"\ntransmission = 0.5");
+    let stained = of(&format!("type = \"principled\"\ntransmission = 1\nkd = {board}"));
+    let frosted = of("type = \"glass\"\nthin = true\nroughness = 0.5");
     let flint = of("type = \"glass\"\nior = \"sf10\"");
     let spectral = of("kd = { spectrum = [[400, 0.1], [700, 0.2]] }");
     let pictured = format!("{spectral}[[shape]]\nkind = \"cube\"\nmaterial = {{ kd = {board} }}\n");
@@ -363,6 +366,9 @@ fn what_others_cannot_do_is_refused() {
         (&coat, TRIANGLE, matte, "material \"a\": its layers", "make it plastic"),
         (&saturated, TRIANGLE, matte, "material \"a\": a texture under a coat", "leave saturated out"),
         (&paper, TRIANGLE, matte, "material \"a\": what it scatters through", "leave its transmit out"),
+        (&cloudy, TRIANGLE, matte, "material \"a\": what is glass in part", "0 or 1"),
+        (&stained, TRIANGLE, matte, "material \"a\": glass with a picture", "a plain"),
+        (&frosted, TRIANGLE, matte, "material \"a\": rough panes", "make it smooth"),
         (&flint, TRIANGLE, matte, "material \"a\": glass that parts colours", "one number as ior"),
         (&pictured, TRIANGLE, matte, "between colours of a texture", "--spectral off"),
         (laser, TRIANGLE, matte, "light of lines", "peaks of some width"),

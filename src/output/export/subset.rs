@@ -97,6 +97,15 @@ fn refuse<T>(what: &'static str, remedy: &'static str) -> std::result::Result<T,
 
 /// What of any material is refused, whatever it is else.
 fn check(material: &Material, by_wavelength: bool) -> std::result::Result<(), Refusal> {
+    if material.mixture.is_some() {
+        return refuse(
+            "what is glass in part is not written for other renderers",
+            "make its transmission 0 or 1",
+        );
+    }
+    if material.dielectric.is_some() && material.has_texture() {
+        return refuse("glass with a picture is not written for other renderers", "give it a plain colour");
+    }
     if material.layers.is_some() {
         let remedy = "make it plastic or metal: a [[material]] with type in the scene file";
         return refuse("its layers (principled) are not written for other renderers", remedy);
@@ -166,6 +175,12 @@ fn nearest(material: &Material, alpha: f32, by_wavelength: bool) -> std::result:
             stated(&dielectric.reflection_tint, spectra.and_then(|s| s.specular.as_ref())),
             stated(&dielectric.transmission_tint, spectra.and_then(|s| s.transmission.as_ref())),
         ];
+        if material.thin && alpha > 0.0 {
+            return refuse(
+                "rough panes have no counterpart in other renderers",
+                "make it smooth (roughness = 0)",
+            );
+        }
         return Ok(match material.thin {
             true => Bsdf::Pane { dielectric, tints },
             false => Bsdf::Dielectric { dielectric, tints, alpha },
