@@ -7,7 +7,7 @@
 Each renderer renders each scene several times with different seeds, so that the spread tells its noise. A block of 8 × 8
 pixels in a band has z = (joton - Mitsuba) / standard error of the difference; where both are the same but for noise, the
 root of the mean z² is about 1 (1.08 for 8 seeds each). joton's path tracer is compared, which has no bias, and its photon
-mapper, whose blur is one. `--store` writes tests/mitsuba/NAME.txt for the scenes in STORED, against which `cargo test
+mapper, whose blur is one; its pixels share no light here (`--resolve off`), or their noise would be no one's own. `--store` writes tests/mitsuba/NAME.txt for the scenes in STORED, against which `cargo test
 --test mitsuba` holds joton without Mitsuba.
 """
 
@@ -202,7 +202,7 @@ def main():
         for name in names:
             theirs = mitsuba_images(arguments.joton, name, SIZE, arguments.spp, SEEDS, folder)
             cells = []
-            for passes, more in ((arguments.passes, ["--reference"]), (arguments.mapped, [])):
+            for passes, more in ((arguments.passes, ["--reference"]), (arguments.mapped, ["--resolve", "off"])):
                 if passes == 0:
                     continue
                 ours = joton_images(arguments.joton, name, SIZE, passes, SEEDS, folder, *more)
@@ -210,7 +210,7 @@ def main():
                 cells += [f"{rms:.2f}", f"{most:.1f}", f"{ratio:.4f} ± {error:.4f}"]
                 if arguments.pictures:
                     arguments.pictures.mkdir(exist_ok=True)
-                    kind = "reference" if more else "mapped"
+                    kind = "reference" if "--reference" in more else "mapped"
                     np.save(arguments.pictures / f"{name}-{kind}.npy", np.stack([ours.mean(0), theirs.mean(0)]))
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
 

@@ -11,8 +11,12 @@ use serde::Serialize;
 const PROGRAM: u64 = 20 << 20;
 /// Bytes more with a device: its driver and the kernels that it compiled, measured with Mesa's software Vulkan.
 const DRIVER: u64 = 144 << 20;
-/// Bytes that a driver takes for the code of microfacets and textures, likewise.
+/// Bytes that a driver takes for the code of microfacets and textures, likewise …
 const DRIVER_OF_MORE: u64 = 110 << 20;
+/// … of brushed surfaces …
+const DRIVER_OF_BRUSHES: u64 = 84 << 20;
+/// … and of clear coats and sheen.
+const DRIVER_OF_LAYERS: u64 = 92 << 20;
 /// Bytes of program and driver while kernels are compiled that no cache has: of a scene without glass and mirrors, and of one
 /// with some; measured likewise, an image of 64 × 64 included. Small images take no more than that.
 const COMPILING: [u64; 2] = [216 << 20, 300 << 20];
@@ -45,8 +49,13 @@ impl ProcessMemory {
     /// Of a plan for a scene.
     pub fn of(scene: &PackedScene, plan: &Plan, place: Place) -> Self {
         let jotons: u64 = MapKind::ALL.into_iter().map(|kind| u64::from(plan.jotons(kind))).sum();
-        let Features { facets, textures, cutouts, .. } = plan.features;
-        let more = if facets || textures || cutouts { DRIVER_OF_MORE } else { 0 };
+        let Features { facets, textures, cutouts, anisotropy, layers, .. } = plan.features;
+        let code = [
+            (facets || textures || cutouts, DRIVER_OF_MORE),
+            (anisotropy, DRIVER_OF_BRUSHES),
+            (layers, DRIVER_OF_LAYERS),
+        ];
+        let more: u64 = code.into_iter().filter(|(is_there, _)| *is_there).map(|(_, bytes)| bytes).sum();
         let compiling = COMPILING[usize::from(plan.has_specular_bodies())] + more;
         let (driver, jotons, compiling) = match place {
             Place::Cpu => (0, jotons * JOTON, 0),
