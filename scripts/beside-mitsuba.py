@@ -8,7 +8,7 @@ Each renderer renders each scene several times with different seeds, so that the
 pixels in a band has z = (joton - Mitsuba) / standard error of the difference; where both are the same but for noise, the
 root of the mean z² is about 1 (1.08 for 8 seeds each). joton's path tracer is compared, which has no bias, and its photon
 mapper, whose blur is one; its pixels share no light here (`--resolve off`), or their noise would be no one's own. `--store` writes tests/mitsuba/NAME.txt for the scenes in STORED, against which `cargo test
---test mitsuba` holds joton without Mitsuba.
+--test statistics mitsuba` holds joton without Mitsuba.
 """
 
 import argparse

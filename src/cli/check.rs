@@ -45,7 +45,8 @@ pub(super) fn run(a: &CheckArguments) -> Result<u8> {
         size: scene.size,
         triangles: scene.mesh.triangles.len(),
         out_of_reach: packed.out_of_reach.triangles,
-        materials: scene.materials.len(),
+        // the rest of a mixture is in the list, too
+        materials: scene.materials.iter().filter(|m| m.mixture.is_none()).count(),
         emitters: packed.emitters.len(),
         files: scene.files,
         warnings,

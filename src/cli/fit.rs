@@ -13,19 +13,49 @@ const ON_DEVICE: u64 = 2;
 /// A picture without the levels that are a third more.
 const OF_LEVELS: [u64; 2] = [3, 4];
 
-/// Where a render on this device is done.
-pub(super) fn place_of(device: &str) -> Place {
-    if device == "cpu" { Place::Cpu } else { Place::Device }
+/// Where a render on this device may be done: the places that are tried, one after the other.
+pub(super) fn places_of(device: &str) -> &'static [Place] {
+    match device {
+        "cpu" => &[Place::Cpu],
+        "auto" => &[Place::Device, Place::Cpu],
+        _ => &[Place::Device],
+    }
 }
 
-/// Pack a scene. Where the render would not fit its memory, the largest pictures are halved until it does, with a warning;
-/// what does not fit without them is refused where it is planned.
+/// Pack a scene. Where the render would not fit its memory, the largest pictures are halved until it does, with a warning.
+/// Where that does not help at one place, they are fitted to the next as they were; what does not fit at the last without them
+/// is refused where it is planned.
 ///
 /// # Errors
 /// [`Error::Capacity`] where there is not the memory to pack it.
-pub(super) fn pack_to_fit(scene: &mut Scene, settings: &Settings, place: Place) -> Result<PackedScene> {
+pub(super) fn pack_to_fit(scene: &mut Scene, settings: &Settings, places: &[Place]) -> Result<PackedScene> {
     joton::packed::fit_pictures(scene);
     let mut packed = pack(scene, settings)?;
+    for (i, place) in places.iter().enumerate() {
+        // pictures are shared
+        let as_it_was = scene.materials.clone();
+        let has_shrunk;
+        (packed, has_shrunk) = shrink_to_fit(scene, packed, settings, *place)?;
+        let is_last = i + 1 == places.len();
+        if !has_shrunk || is_last || excess(&packed, settings, *place).is_none() {
+            break;
+        }
+        scene.materials = as_it_was;
+        drop(packed);
+        packed = pack(scene, settings)?;
+    }
+    scene.warnings.extend(scene.smaller_pictures());
+    Ok(packed)
+}
+
+/// Halve the largest pictures until the render fits, or until nothing is left of them; whether any was.
+fn shrink_to_fit(
+    scene: &mut Scene,
+    mut packed: PackedScene,
+    settings: &Settings,
+    place: Place,
+) -> Result<(PackedScene, bool)> {
+    let mut has_shrunk = false;
     while settings.memory.is_some()
         && scene.picture_bytes() > 0
         && let Some(excess) = excess(&packed, settings, place)
@@ -38,9 +68,9 @@ pub(super) fn pack_to_fit(scene: &mut Scene, settings: &Settings, place: Place) 
         }
         drop(packed);
         packed = pack(scene, settings)?;
+        has_shrunk = true;
     }
-    scene.warnings.extend(scene.smaller_pictures());
-    Ok(packed)
+    Ok((packed, has_shrunk))
 }
 
 /// Bytes by which a render is too large.

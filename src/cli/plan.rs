@@ -68,7 +68,7 @@ pub(super) fn run(a: &PlanArguments) -> Result<u8> {
     if let Some(paths) = &a.paths {
         settings.paths = joton::film::paths::LightPaths::parse(paths)?;
     }
-    let packed = pack_to_fit(&mut scene, &settings, Place::Device)?;
+    let packed = pack_to_fit(&mut scene, &settings, &[Place::Device])?;
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
     let mut wanted = Plan::new(&packed, settings);
     wanted.bound_process(&packed, Place::Device)?;

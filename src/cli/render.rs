@@ -3,7 +3,7 @@
 use super::bands::{self, Measured, Renders};
 use super::checkpoint::{Keeper, Saved};
 use super::device::Devices;
-use super::fit::{pack_to_fit, place_of};
+use super::fit::{pack_to_fit, places_of};
 use super::progress::{Kind as ProgressKind, Narrator, passes};
 use super::{DONE, INTERRUPTED, interrupt, json, memory, say};
 use clap::Args;
@@ -220,7 +220,7 @@ pub(super) fn run(a: &RenderArguments, saved: Option<Saved>) -> Result<u8> {
     }
     film::check_memory(scene.size, a.pass_range.is_some(), a.measured())?;
     narrator.step("building the hierarchy");
-    let packed = Arc::new(pack_to_fit(&mut scene, &settings, place_of(&a.device))?);
+    let packed = Arc::new(pack_to_fit(&mut scene, &settings, places_of(&a.device))?);
     scene.warnings.extend(joton::packed::doubts(&scene, &packed));
     if a.bands.is_some() {
         scene.warnings.extend(bands::warning(&scene));

@@ -171,6 +171,16 @@ pub(super) fn transmitting(
     }
     let layers = RawLayers { transmission: None, ..raw.layers };
     let is_all_glass = part == 1.0 && maps == [false; 2];
+    if let Some(line) = raw.opacity.map(|o| o.line).or(raw.map_d.as_ref().map(|map| map.line)) {
+        // a body has no holes
+        let is_opaque = part < 0.5;
+        let what =
+            if is_opaque { "transmission of what has an opacity" } else { "opacity of what transmits" };
+        warn(Some(line), &format!("{what} is ignored"));
+        if is_opaque {
+            return None;
+        }
+    }
     if layers != RawLayers::default() {
         let what = if is_all_glass { "" } else { ", which lie over the rest of it alone" };
         warn(Some(line), &format!("clearcoat, sheen and specular of what transmits are ignored{what}"));

@@ -143,6 +143,9 @@ fn pictures_are_made_smaller_to_fit() {
     // reading and packing take five times the picture
     let ended = folder.done("render s.toml --size 16x16 --passes 1 --device cpu --memory 28M -o a.exr");
     assert!(ended.stderr.contains("big.bmp from 1024 × 1024 to 512 × 512 texels"), "{}", ended.stderr);
+    // too little for a device is enough for the processor, whose pictures stay as they were
+    let ended = folder.done("render s.toml --size 16x16 --passes 1 --memory 120M -o b.exr");
+    assert!(!ended.stderr.contains("made smaller"), "{}", ended.stderr);
     // a header and nothing else
     let bomb: Vec<u8> = [
         &b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\x01\x86\xa0\0\x01\x86\xa0\x08\x02\0\0\0"[..],

@@ -66,10 +66,14 @@ fn what_transmits_is_glass() {
     assert!((absorbing.interior.absorption[0] - 2f32.ln() / 2.0).abs() < 1e-5, "{absorbing:?}");
     for (keys, words) in [
         ("transmission = 1, clearcoat = 1", "of what transmits are ignored"),
+        ("transmission = 0.7, opacity = 0.5", "opacity of what transmits is ignored"),
+        ("transmission = 0.3, opacity = 0.5", "transmission of what has an opacity is ignored"),
         ("transmission = 0.5, clearcoat = 1", "are ignored, which lie over the rest of it alone"),
     ] {
         let scene = scene(&format!("type = \"principled\", kd = 0.5, {keys}")).unwrap();
-        assert!(scene.materials[0].dielectric.is_some(), "{keys}");
+        let is_cut_out = keys.contains("0.3");
+        assert_eq!(scene.materials[0].dielectric.is_none(), is_cut_out, "{keys}");
+        assert_eq!(scene.materials[0].opacity.is_some(), is_cut_out, "{keys}");
         assert!(scene.warnings.join("\n").contains(words), "{keys}: {:?}", scene.warnings);
     }
     for keys in
