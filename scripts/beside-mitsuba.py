@@ -4,11 +4,12 @@
     python3 -m venv peers && peers/bin/pip install mitsuba==3.9.1 numpy
     peers/bin/python scripts/beside-mitsuba.py [--joton target/release/joton] [--only gold,leaf] [--store] [--pictures FOLDER]
 
-Each renderer renders each scene several times with different seeds, so that the spread tells its noise. A block of 8 × 8
-pixels in a band has z = (joton - Mitsuba) / standard error of the difference; where both are the same but for noise, the
-root of the mean z² is about 1 (1.08 for 8 seeds each). joton's path tracer is compared, which has no bias, and its photon
-mapper, whose blur is one; its pixels share no light here (`--resolve off`), or their noise would be no one's own. `--store` writes tests/mitsuba/NAME.txt for the scenes in STORED, against which `cargo test
---test statistics mitsuba` holds joton without Mitsuba.
+Each renderer renders each scene several times with different seeds, so that the spread tells its noise. A block of 8 ×
+8 pixels in a band has z = (joton - Mitsuba) / standard error of the difference; where both are the same but for noise,
+the root of the mean z² is about 1 (1.08 for 8 seeds each). joton's path tracer is compared, which has no bias, and its
+photon mapper, whose blur is one; its pixels share no light here (`--resolve off`), or their noise would be no one's
+own. `--store` writes tests/mitsuba/NAME.txt for the scenes in STORED, against which `cargo test --test statistics
+mitsuba` holds joton without Mitsuba.
 """
 
 import argparse

@@ -75,12 +75,11 @@ pub fn check_memory(scene: &Scene) -> Result<()> {
     check_left(need.saturating_add(textures::bytes_of(scene)), crate::host::memory::allowed())
 }
 
-/// Make pictures of a scene smaller that cannot be packed in the memory that the user allows; false where that would not do.
-pub fn fit_pictures(scene: &mut Scene) -> bool {
+/// Make pictures of a scene smaller that cannot be packed in the memory that the user allows.
+pub fn fit_pictures(scene: &mut Scene) {
     let mesh = scene.mesh.bytes() + scene.mesh.triangles.len() as u64 * BYTES_PER_TRIANGLE;
-    match fit::room(mesh) {
-        Some(most) if scene.picture_bytes() > most => scene.shrink_pictures(most),
-        _ => true,
+    if let Some(most) = fit::room(mesh) {
+        scene.shrink_pictures(most);
     }
 }
 

@@ -178,6 +178,26 @@ pub fn narrow(plan: &mut Plan) {
     plan.diffuse.base *= NARROW[1];
 }
 
+/// Host and device have the light of so many passes of the path tracer at narrow radii, in so many renders: of the first number of
+/// passes by eye paths that go on, in every layer, and of the second by jotons that are gathered.
+pub fn all_sides_agree(name: &str, scene: &Scene, reference: u64, renders: u32, passes: [u64; 2]) {
+    let scene = pack(scene);
+    let mut claims = Claims::default();
+    let paths = pictures(Side::PathTracer, &scene, EVERYTHING, 0..SEEDS, reference, |_| ());
+    for side in [Side::Host, Side::Device] {
+        if side == Side::Device && crate::common::device().is_none() {
+            continue;
+        }
+        let ways: [(&str, Planner, &[Layer]); 2] =
+            [("paths", plan, &Layer::ALL), ("map", plan_by_map, &[Layer::Diffuse])];
+        for ((way, planner, layers), passes) in ways.into_iter().zip(passes) {
+            let maps = pictures_of(planner, side, &scene, EVERYTHING, 0..renders, passes, narrow);
+            claim(&mut claims, &format!("{name}, {side:?}, {way}"), &maps, &paths, layers, &[4, SIZE]);
+        }
+    }
+    claims.hold();
+}
+
 /// At narrow radii, where bias is below the noise, the maps, and eye paths that go on, have the path tracer's light in every pixel and layer.
 #[test]
 fn maps_agree_with_the_path_tracer() {

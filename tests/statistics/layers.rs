@@ -1,14 +1,10 @@
 //! Clear coats, sheen and specular factors in one scene: host, device and path tracer see the same light.
 
-use crate::chi_square::Claims;
-use crate::images::{SEEDS, SIZE, claim, narrow, pack};
-use crate::renders::{EVERYTHING, Planner, Side, file, pictures, pictures_of, plan, plan_by_map};
-use joton::film::Layer;
+use crate::images::{SIZE, all_sides_agree};
+use crate::renders::file;
 use joton::scene::{FacetKind, Facets, Layers, Light, Material, Scene};
 use joton::spectrum::BLACK;
 
-/// Edges of the blocks that are compared.
-const BLOCKS: [u32; 2] = [4, SIZE];
 /// Renders by maps.
 const MAPS: u32 = 4;
 
@@ -55,20 +51,5 @@ fn scene() -> Scene {
 /// there.
 #[test]
 fn layers_are_alike_on_all_sides() {
-    const PATHS: u64 = 128;
-    let scene = pack(&scene());
-    let mut claims = Claims::default();
-    let paths = pictures(Side::PathTracer, &scene, EVERYTHING, 0..SEEDS, PATHS, |_| ());
-    for side in [Side::Host, Side::Device] {
-        if side == Side::Device && crate::common::device().is_none() {
-            continue;
-        }
-        for (way, planner, passes, layers) in
-            [("paths", plan as Planner, 8, &Layer::ALL[..]), ("map", plan_by_map, 2, &[Layer::Diffuse])]
-        {
-            let maps = pictures_of(planner, side, &scene, EVERYTHING, 0..MAPS, passes, narrow);
-            claim(&mut claims, &format!("layers, {side:?}, {way}"), &maps, &paths, layers, &BLOCKS);
-        }
-    }
-    claims.hold();
+    all_sides_agree("layers", &scene(), 128, MAPS, [8, 2]);
 }

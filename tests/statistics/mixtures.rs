@@ -1,15 +1,10 @@
 //! Bodies that are glass in part, of which one overlaps another one by priority, and rough panes: host, device and path tracer see the
 //! same light [E57, E58].
 
-use crate::chi_square::Claims;
 use crate::common::scenes::{Builder, emitter, glass};
-use crate::images::{SEEDS, SIZE, claim, narrow, pack};
-use crate::renders::{EVERYTHING, Planner, Side, pictures, pictures_of, plan, plan_by_map};
-use joton::film::Layer;
+use crate::images::{SIZE, all_sides_agree};
 use joton::scene::{FacetKind, Facets, Interior, Material, Mixture, Scene, number_rests};
 
-/// Edges of the blocks that are compared.
-const BLOCKS: [u32; 2] = [4, SIZE];
 /// Renders by maps.
 const MAPS: u32 = 3;
 
@@ -61,20 +56,5 @@ fn scene() -> Scene {
 /// Host and device against the path tracer, by paths that go on and by jotons.
 #[test]
 fn mixtures_are_alike_on_all_sides() {
-    const PATHS: u64 = 24;
-    let scene = pack(&scene());
-    let mut claims = Claims::default();
-    let paths = pictures(Side::PathTracer, &scene, EVERYTHING, 0..SEEDS, PATHS, |_| ());
-    for side in [Side::Host, Side::Device] {
-        if side == Side::Device && crate::common::device().is_none() {
-            continue;
-        }
-        for (way, planner, passes, layers) in
-            [("paths", plan as Planner, 4, &Layer::ALL[..]), ("map", plan_by_map, 1, &[Layer::Diffuse])]
-        {
-            let maps = pictures_of(planner, side, &scene, EVERYTHING, 0..MAPS, passes, narrow);
-            claim(&mut claims, &format!("mixtures, {side:?}, {way}"), &maps, &paths, layers, &BLOCKS);
-        }
-    }
-    claims.hold();
+    all_sides_agree("mixtures", &scene(), 24, MAPS, [4, 1]);
 }

@@ -33,10 +33,11 @@ impl PictureFile {
         let [across, down] = self.texture.bitmap.size;
         let kind = if matches!(self.factor, Factor::Colour(_)) { "PF" } else { "Pf" };
         // a scale below zero says that the numbers are little-endian
+        let linear = self.texture.space.linear_bytes();
         let mut bytes = format!("{kind}\n{across} {down}\n-1.0\n").into_bytes();
         for row in (0..down as usize).rev() {
             for column in 0..across as usize {
-                let texel = self.linear(row * across as usize + column);
+                let texel = self.texel(row * across as usize + column, &linear);
                 match self.factor {
                     Factor::Colour(factor) => {
                         (0..BANDS).for_each(|b| bytes.extend((factor[b] * texel[b]).to_le_bytes()));
@@ -48,13 +49,13 @@ impl PictureFile {
         bytes
     }
 
-    /// Linear red, green, blue and opacity of a texel.
-    fn linear(&self, index: usize) -> [f32; 4] {
+    /// Linear red, green, blue and opacity of a texel, of bytes by what each stands for.
+    fn texel(&self, index: usize, linear: &[f32]) -> [f32; 4] {
         match &self.texture.bitmap.texels {
             Texels::Bytes(texels) => {
-                let [r, g, b, a] = texels[index].map(|x| f32::from(x) / f32::from(u8::MAX));
-                let [r, g, b] = [r, g, b].map(|x| self.texture.space.to_linear(x));
-                [r, g, b, a]
+                let [r, g, b, a] = texels[index];
+                let [r, g, b] = [r, g, b].map(|x| linear[usize::from(x)]);
+                [r, g, b, f32::from(a) / f32::from(u8::MAX)]
             }
             Texels::Halves(texels) => texels[index].map(f32::from),
         }

@@ -78,8 +78,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(texture: &'a Texture) -> Self {
-        let linear = (0..=u8::MAX).map(|x| texture.space.to_linear(f32::from(x) / 255.0)).collect();
-        Self { bitmap: &texture.bitmap, wrap: texture.wrap, linear }
+        Self { bitmap: &texture.bitmap, wrap: texture.wrap, linear: texture.space.linear_bytes() }
     }
 
     fn at(&self, place: [i64; 2]) -> [f32; 3] {

@@ -13,7 +13,7 @@ impl Level {
     pub(crate) fn after(bitmap: &Bitmap, space: Space) -> Option<Self> {
         match &bitmap.texels {
             Texels::Bytes(texels) => {
-                let linear: Vec<f32> = (0..=u8::MAX).map(|x| space.to_linear(f32::from(x) / 255.0)).collect();
+                let linear = space.linear_bytes();
                 smaller(bitmap.size, |i| {
                     let [r, g, b, a] = texels[i];
                     let [r, g, b] = [r, g, b].map(|x| linear[usize::from(x)]);

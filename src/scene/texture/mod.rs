@@ -236,8 +236,7 @@ impl Texture {
         let add = |sum: [f64; 3], t: [f32; 3]| std::array::from_fn(|k| sum[k] + f64::from(t[k]));
         let sum = match &self.bitmap.texels {
             Texels::Bytes(texels) => {
-                let linear: Vec<f32> =
-                    (0..=255).map(|x: u8| self.space.to_linear(f32::from(x) / 255.0)).collect();
+                let linear = self.space.linear_bytes();
                 let of = |t: &[u8; 4]| [t[0], t[1], t[2]].map(|x| linear[usize::from(x)]);
                 texels.iter().fold([0.0; 3], |sum, t| add(sum, of(t)))
             }
@@ -257,6 +256,11 @@ impl Space {
             Self::Srgb if encoded <= 0.040_45 => encoded / 12.92,
             Self::Srgb => ((encoded + 0.055) / 1.055).powf(2.4),
         }
+    }
+
+    /// Likewise of each byte, 255 for one.
+    pub(crate) fn linear_bytes(self) -> Vec<f32> {
+        (0..=u8::MAX).map(|x| self.to_linear(f32::from(x) / 255.0)).collect()
     }
 
     /// The opposite way.
